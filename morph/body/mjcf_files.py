@@ -59,7 +59,7 @@ def _include(
                 raise RobotError(
                     f"the file {child.get('file', '')!r} that it includes {why}",
                     where=child.place,
-                    fix=f"put it into {files.folder}, and include it once",
+                    fix=result.fix if result.path is None else "include it once",
                 )
             open_.add(result.path.resolve())
             if len(open_) > MOST_FILES:
@@ -136,7 +136,7 @@ class _Gatherer:
             what = f"the file {written!r} {why}"
             if not outside:
                 what += f" in {self.files.folder}"
-            self.tell(element, code, "repaired", what, "what uses it was left out")
+            self.tell(element, code, "repaired", what, "what uses it was left out", result.fix)
             return False
         try:
             content, ending, done = asset_content(element.tag, result.path)

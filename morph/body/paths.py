@@ -37,6 +37,15 @@ class ResolvedPath:
     """The file; None if there is none, or it must not be read."""
     how: str
     """`exact`, `package` (its package is this folder), `case`, `moved`, `missing` or `outside`."""
+    outer: Path | None = None
+    """Of what lies outside: the nearest folder that holds it and the description's."""
+
+    @property
+    def fix(self) -> str:
+        """What helps where there is no file that may be read."""
+        if self.outer is None:
+            return "put the file there, correct its name, or name a folder of both by --folder"
+        return f"let all of {self.outer} be read: --folder {self.outer}"
 
 
 def own_folder(description: Path) -> Path:
@@ -80,7 +89,8 @@ class Files:
             return ResolvedPath(path=plain, how="exact")
         near = self._search(PurePosixPath(rest), scheme not in ("", "file"))
         if near.path is None and plain is not None and not self._stays(plain):
-            return ResolvedPath(path=None, how="outside")
+            outer = Path(os.path.commonpath([self.folder, os.path.realpath(plain)]))
+            return ResolvedPath(path=None, how="outside", outer=outer)
         return near
 
     @cached_property

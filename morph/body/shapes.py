@@ -150,23 +150,23 @@ class _Reader:
 Said = tuple[str, Severity, str, str, str]
 
 
-def _missing(shape: Shape, _found: ResolvedPath, folder: Path) -> Said:
+def _missing(shape: Shape, result: ResolvedPath, folder: Path) -> Said:
     return (
         "mesh-missing",
         "repaired",
         f"the mesh {shape.file!r} is nowhere in {folder}",
         "the shape was left out",
-        "put the file there, or correct its name",
+        result.fix,
     )
 
 
-def _outside(shape: Shape, _found: ResolvedPath, folder: Path) -> Said:
+def _outside(shape: Shape, result: ResolvedPath, folder: Path) -> Said:
     return (
         "mesh-outside",
         "repaired",
         f"the mesh {shape.file!r} lies outside {folder}, where nothing is read",
         "the shape was left out",
-        "put the file into the description's folder",
+        result.fix,
     )
 
 

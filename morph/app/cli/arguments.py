@@ -44,6 +44,8 @@ class Diagnose:
     """Random seed."""
     base: Base = None
     """How it stands in the world, where the description does not say."""
+    folder: Folder = None
+    """Folder outside which nothing of the description is read; by default its own."""
     json: bool = False
     """Print diagnosis.json instead of words."""
     quiet: bool = False
@@ -77,6 +79,8 @@ class Compare:
     """Write that view as one page that opens without a network."""
     base: Base = None
     """How it stands in the world, where the description does not say."""
+    folder: Folder = None
+    """Folder outside which nothing of the description is read; by default its own."""
     json: bool = False
     """Print JSON, by the schema morph.comparison/1."""
     quiet: bool = False

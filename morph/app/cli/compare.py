@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from morph.app.cli.arguments import Compare
 from morph.app.cli.diagnose import horizon_of
+from morph.app.cli.options import description_options
 
 if TYPE_CHECKING:
     from morph.app.viewer.state import Saved
@@ -43,7 +44,7 @@ def run_compare(options: Compare) -> int:
             check_page(path, option)
     with stages(options.quiet) as progress:
         progress.now("loading")
-        robot = load_robot(options.robot, base=options.base)
+        robot = load_robot(options.robot, base=options.base, folder=options.folder)
         recordings = [
             each
             for path in options.recordings
@@ -106,7 +107,7 @@ def _further(options: Compare, *, whole: bool) -> str:
     given = [str(path) for path in options.recordings]
     root = [] if options.root is None else ["--root", str(options.root)]
     around = [] if options.world is None else ["--world", options.world]
-    around += [] if options.base is None else ["--base", options.base]
+    around += description_options(options.base, options.folder)
     shown = ["morph", "view", options.robot]
     for path in given:
         shown += ["--recording", path]
@@ -140,6 +141,8 @@ def _saved(
             recordings=tuple(str(path) for path in options.recordings),
             root=None if options.root is None else str(options.root),
             world=options.world,
+            base=options.base,
+            folder=None if options.folder is None else str(options.folder.absolute()),
         ),
         view="mismatch",
         views={"mismatch": chosen},
@@ -162,6 +165,7 @@ def _write_page(options: Compare, saved: Saved, now: Callable[[str], None]) -> N
         root=options.root,
         world=options.world,
         base=options.base,
+        folder=options.folder,
         first="mismatch",
     )
     given, notes = view_inputs.given(view, saved, now)

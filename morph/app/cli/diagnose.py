@@ -11,6 +11,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from morph.app.cli.arguments import Diagnose
+from morph.app.cli.options import description_options
 from morph.app.report import words
 from morph.body.load import load as load_robot
 from morph.body.robot import Robot
@@ -51,7 +52,7 @@ def run_diagnose(options: Diagnose) -> int:
 def _diagnosed(options: Diagnose, horizon: float | None, vary: dict[str, float]) -> Diagnosis:
     from morph.physics.worlds import on_floor
 
-    robot = load_robot(options.robot, base=options.base)
+    robot = load_robot(options.robot, base=options.base, folder=options.folder)
     if options.world is not None:
         robot = on_floor(robot, options.world)
     fitted, aside = _recordings(options, robot)
@@ -142,7 +143,7 @@ def _planned(options: Diagnose, robot: Robot, result: Diagnosis) -> dict[str, st
         except MorphError as error:
             return {"plan": f"{error.fix} first, as {error.what}"}
         words = ["morph", "excite", options.robot, "--separate", *pair, "--out", "DIR"]
-        words += [] if options.base is None else ["--base", options.base]
+        words += description_options(options.base, options.folder)
         return {"plan": shlex.join(words)}
     return {}
 
@@ -236,7 +237,7 @@ def _command(options: Diagnose) -> str:
     ):
         parts += [option, *values] if values else []
     parts += ["--world", options.world] if options.world is not None else []
-    parts += ["--base", options.base] if options.base is not None else []
+    parts += description_options(options.base, options.folder)
     parts += ["--horizon", options.horizon] if options.horizon != "1.0" else []
     parts += ["--root", str(options.root)] if options.root is not None else []
     parts += ["--budget", f"{options.budget:g}"] if options.budget is not None else []

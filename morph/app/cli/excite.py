@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from morph.app.cli.excite_arguments import Excite
+from morph.app.cli.options import description_options
 from morph.errors import DiagnosisError
 
 if TYPE_CHECKING:
@@ -53,7 +54,7 @@ def run_excite(options: Excite) -> int:
     check_folder(options.out, MARKER, SCHEMA, "an experiment")
     with stages(options.quiet) as progress:
         progress.now("loading")
-        robot = load(options.robot, base=options.base)
+        robot = load(options.robot, base=options.base, folder=options.folder)
         laws = [parsed(text, robot, option="--separate") for text in options.separate]
         # Late: it loads all that a diagnosis needs.
         from morph.experiment_design.plan import plan
@@ -110,13 +111,13 @@ def in_words(result: ExperimentPlan, options: Excite) -> str:
         sure = all(each.enough for each in result.separations)
         lines += [] if sure else ["  no motion that was tried tells them apart surely"]
     first = options.out / "run_1.csv"
-    base = [] if options.base is None else ["--base", options.base]
-    simulate = ["morph", "simulate", options.robot, *base, "--commands", str(first)]
+    described = description_options(options.base, options.folder)
+    simulate = ["morph", "simulate", options.robot, *described, "--commands", str(first)]
     simulate += ["--seconds", f"{result.runs[0].seconds:g}"]
     further = [
         f"to see it: {shlex.join([*simulate, '--view'])}",
         "to name what acts, record the robot under it: "
-        + shlex.join(["morph", "diagnose", options.robot, *base, "RECORDING", "--out", "DIR"]),
+        + shlex.join(["morph", "diagnose", options.robot, *described, "RECORDING", "--out", "DIR"]),
     ]
     return "\n".join([*lines, *further])
 

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import tyro
 
-from morph.app.cli.options import Base, unset
+from morph.app.cli.options import Base, Folder, unset
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -42,6 +42,8 @@ class Excite:
     """Random seed of the motions."""
     base: Base = None
     """How it stands in the world, where the description does not say."""
+    folder: Folder = None
+    """Folder outside which nothing of the description is read; by default its own."""
     json: bool = False
     """Print experiment.json instead of words."""
     quiet: bool = False

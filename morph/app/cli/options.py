@@ -33,3 +33,9 @@ Horizon = Annotated[str, tyro.conf.arg(metavar="SECONDS|full")]
 """How long rollouts are."""
 Base = Annotated[Literal["fixed", "floating", "board"] | None, unset("{fixed,floating,board}")]
 """How a robot stands in the world."""
+
+
+def description_options(base: str | None, folder: Path | None) -> list[str]:
+    """Return the options under which a description is read, as they are typed."""
+    given = [] if base is None else ["--base", base]
+    return given if folder is None else [*given, "--folder", str(folder)]

@@ -149,3 +149,18 @@ def test_rotors_are_of_both_or_of_none() -> None:
     robot = load("so101")
     assert 'armature="' in robot.mjcf
     assert disagreement(robot) == []
+
+
+def test_what_names_shapes_keeps_them(tmp_path: Path) -> None:
+    (tmp_path / "robot.xml").write_text(
+        """<mujoco model="touched"><asset>
+        <mesh name="wedge" vertex="0 0 0 0.1 0 0 0 0.1 0 0 0 0.1"/></asset><worldbody>
+        <geom name="floor" type="plane" size="1 1 1"/>
+        <body name="arm"><joint name="hinge" axis="0 1 0"/><geom name="tip" type="mesh" mesh="wedge"
+        mass="1"/><geom name="round" size="0.01" mass="0.1"/></body></worldbody>
+        <contact><pair geom1="floor" geom2="tip"/></contact>
+        <sensor><framepos name="seen" objtype="geom" objname="tip"/></sensor></mujoco>"""
+    )
+    robot = load(tmp_path / "robot.xml")
+    assert read_by_mujoco(robot).mass == pytest.approx(1.1, abs=1e-12)
+    assert disagreement(robot) == []

@@ -176,6 +176,9 @@ def test_a_mesh_outside_is_not_read(how: str, tmp_path: Path) -> None:
     robot = load(mjcf(folder, BODY.format(GEOM), top=MESH.format(written)))
     assert codes(robot) == [("repaired", "mesh-outside")]
     assert robot.assets == {}
+    # What is printed helps.
+    outer = robot.findings[0].fix.partition("--folder ")[2]
+    assert codes(load(folder / "robot.xml", folder=outer)) == []
 
 
 ASCII = b"""solid a
