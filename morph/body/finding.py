@@ -78,6 +78,7 @@ CODES: dict[str, str] = {
     "limit-absurd": "A limit is not finite, or reaches further than a joint can.",
     "limit-range": "A joint's range is empty: its lower limit is not below its upper one.",
     "limit-zero": "A joint's effort or velocity limit is zero or negative.",
+    "reduction": "A transmission's reduction is not used: efforts and limits are the joint's.",
     # Shapes.
     "mesh-missing": "A mesh file is not there.",
     "mesh-case": "A mesh file is there under a name with other capitals.",

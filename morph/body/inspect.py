@@ -170,6 +170,8 @@ def _joint(joint: Any) -> dict[str, Any]:
         "limits": None if joint.limits is None else list(joint.limits),
         "effort": joint.effort,
         "velocity": joint.velocity,
+        "damping": joint.damping,
+        "friction": joint.friction,
         "unit": joint.unit,
         "mimic": None if joint.mimic is None else asdict(joint.mimic),
     }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from morph.body.numbers import float_or
 from morph.body.urdf import MOST_LINKS, MOST_SHAPES
 from morph.body.xml import MOST_ELEMENTS, Element
 from morph.errors import RobotError
@@ -104,14 +105,6 @@ def _check(element: Element) -> None:
             where=element.place,
             fix="leave memory out; MuJoCo knows how much it needs",
         )
-
-
-def float_or(word: str, default: float) -> float:
-    """Return a word's number; the default if it is none."""
-    try:
-        return float(word)
-    except ValueError:
-        return default  # MuJoCo says what it is.
 
 
 def _points(element: Element) -> float:

@@ -8,9 +8,10 @@ from pathlib import Path
 
 from morph.body.finding import DescriptionFinding, Severity
 from morph.body.mjcf_assets import asset_content
-from morph.body.mjcf_bounds import check_bounds, float_or
+from morph.body.mjcf_bounds import check_bounds
 from morph.body.mjcf_draft import ElementLines
 from morph.body.mjcf_numbers import check_numbers
+from morph.body.numbers import float_or
 from morph.body.paths import Files
 from morph.body.shapes import MOST_FACES
 from morph.body.source import read_text

@@ -210,6 +210,7 @@ def _joint(model: Any, index: int, mimic: Mimic | None) -> Joint:
     low, high = model.jnt_range[index].tolist()
     x, y, z = model.jnt_axis[index].tolist()
     strongest = float(np.abs(model.jnt_actfrcrange[index]).max())
+    dof = int(model.jnt_dofadr[index])
     return Joint(
         name=model.joint(index).name,
         kind=kinds[mujoco.mjtJoint(model.jnt_type[index])],
@@ -217,6 +218,8 @@ def _joint(model: Any, index: int, mimic: Mimic | None) -> Joint:
         limits=(low, high) if model.jnt_limited[index] else None,
         axis=(x, y, z),
         effort=strongest if model.jnt_actfrclimited[index] else None,
+        damping=float(model.dof_damping[dof]),
+        friction=float(model.dof_frictionloss[dof]),
         mimic=mimic and from_zero(model, index, mimic),
     )
 

@@ -100,3 +100,11 @@ def rotation(roll: float, pitch: float, yaw: float) -> Array:
             [-sp, cp * sr, cp * cr],
         ]
     )
+
+
+def float_or(word: str, default: float) -> float:
+    """Return a word's number; the default if it is none."""
+    try:
+        return float(word)
+    except ValueError:
+        return default

@@ -66,6 +66,10 @@ class Joint:
     """Greatest effort of its motors, N m or N; None if not given."""
     velocity: float | None = None
     """Greatest speed, rad/s or m/s; None if not given; MuJoCo does not hold it."""
+    damping: float = 0.0
+    """Viscous friction, N m s/rad or N s/m."""
+    friction: float = 0.0
+    """Dry friction, N m or N."""
     mimic: Mimic | None = None
     """Set if it follows another joint."""
 

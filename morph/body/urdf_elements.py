@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 
 from morph.body.finding import DescriptionFinding, Where
+from morph.body.numbers import float_or
 from morph.body.xml import Element
 
 MOST_STRANGERS, MOST_KINDS, LONGEST_TAG = 100, 1000, 40
@@ -36,7 +37,7 @@ GEOMETRIES = ("mesh", "box", "sphere", "cylinder", "capsule")
 
 def strangers(tree: Element) -> list[DescriptionFinding]:
     """Return what is told of elements that are misspelt, doubled, blank or no shape."""
-    result = _doubles(tree) + _shapeless(tree) + _blank_limits(tree)
+    result = _doubles(tree) + _shapeless(tree) + _blank_limits(tree) + _reductions(tree)
     return [*result[:MOST_STRANGERS], *_misspelt(tree)]
 
 
@@ -124,6 +125,32 @@ def _blank_limits(tree: Element) -> list[DescriptionFinding]:
                 fix="write the range as numbers, or make it continuous",
             )
         )
+    return results
+
+
+def _reductions(tree: Element) -> list[DescriptionFinding]:
+    """Return a finding for each transmission that reduces: URDF's limits are those of joints."""
+    results = []
+    for transmission in tree.children("transmission"):
+        parts = list(transmission.children("joint", "actuator"))
+        joint = next((part.get("name", "") for part in parts if part.tag == "joint"), "")
+        for part in (transmission, *parts):
+            reduction = part.child("mechanicalReduction")
+            if reduction is None or float_or((reduction.text or "").strip(), 1.0) == 1.0:
+                continue
+            ratio = (reduction.text or "").strip()[:LONGEST_TAG]
+            results.append(
+                DescriptionFinding(
+                    code="reduction",
+                    severity="info",
+                    where=Where(kind="joint", name=joint, file=reduction.file, line=reduction.line),
+                    what=f"its transmission reduces by {ratio}, and efforts, limits and commands "
+                    "are those of the joint, after the gear",
+                    done="the reduction was left out",
+                    fix="give them at the joint, as URDF has limits; of logged motor torques write "
+                    f"scale = {ratio} in recording.toml",
+                )
+            )
     return results
 
 

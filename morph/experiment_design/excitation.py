@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
 
 import mujoco
 import numpy as np
@@ -13,6 +13,8 @@ from morph.arrays import Array
 from morph.body.actuators import strength
 from morph.body.robot import Actuator, Robot
 from morph.errors import DiagnosisError, SimulationFailed
+from morph.experiment_design.followed import can_follow, follow, reference_channels, references
+from morph.experiment_design.waves import quick_wave, waves
 from morph.record.quantities import pose_channels
 from morph.record.recording import Channel, Recording
 from morph.sim.simulator import Simulator
@@ -38,16 +40,9 @@ FREE_LINK = 3.0
 """How far a link that moves freely may go along each axis, m."""
 RESTS = 0.1
 """Acceleration of such a link at home up to which it rests there, m/s2."""
-LOWEST, HIGHEST = 0.2, 4.0
-"""Hz: the band of quick motions."""
-WAVES = 6
-"""Sines of a quick motion."""
-RETURNS = 2.0
-"""How often a slow motion returns."""
-HELD = 1.5
-"""Seconds that each step of a command is held."""
-COAST = 4.0
-"""Seconds of a drive and of the coasting after it."""
+LED = (0.1, 1.5, -1.0)
+"""Hz: the band of quick motions that are followed, and the power of the frequency that their sines
+grow with."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -55,11 +50,14 @@ class Excitation:
     """What actuators are told, and what the description does under it."""
 
     kind: str
-    """`quick`, `slow`, `steps`, `coast` or `one: ACTUATOR`."""
+    """`quick`, `slow`, `steps`, `coast` or `one: ACTUATOR`; `follow: quick` or `follow: slow` where
+    the robot's own controller follows positions."""
     amplitude: float
-    """Share of the actuators' limits."""
+    """Share of the actuators' limits, or of how far joints can go."""
     recording: Recording
     """The simulated motion, with the commands."""
+    references: Mapping[str, Channel] = field(default_factory=dict)
+    """Where each joint is to be, by the name of its position's channel."""
 
 
 def excitations(robot: Robot, seconds: float, step: float, seed: int) -> list[Excitation]:
@@ -68,7 +66,9 @@ def excitations(robot: Robot, seconds: float, step: float, seed: int) -> list[Ex
     Of each kind there are two, at the greatest share of the actuators' limits of `AMPLITUDES` at
     which the described robot keeps from the ends of its joints and under their greatest speeds, and
     at a third of it. Kinds that are not safe at any are left out. Where home is near the end of a
-    servo's range, the motion goes on about a place inside.
+    servo's range, the motion goes on about a place inside. A robot that its motors must hold up is
+    not safe under commands alone: where all its joints together have no safe motion, positions are
+    planned that its own controller follows.
 
     Args:
         robot: The description, at whose home position the motions begin.
@@ -89,7 +89,7 @@ def excitations(robot: Robot, seconds: float, step: float, seed: int) -> list[Ex
     gone = np.minimum(time / MOVING, 1.0)[:, None]
     about = home + gone * (middle - home)
     results: list[Excitation] = []
-    for kind, wave in _waves(robot, time, seed):
+    for kind, wave in waves(robot, time, seed):
         # A one-sided motor idles where a wave is below zero.
         # A command stays within its range on the way there.
         wave = np.where(middle == home, 1.0, gone) * wave
@@ -102,6 +102,8 @@ def excitations(robot: Robot, seconds: float, step: float, seed: int) -> list[Ex
                 pairs = [(amplitude, made), (small, less)]
                 results += [Excitation(kind=kind, amplitude=a, recording=r) for a, r in pairs if r]
                 break
+    if can_follow(robot) and not any(each.kind == "quick" for each in results):
+        results += _followed(simulator, time, low, high, seed)
     if not results:
         raise DiagnosisError(
             f"no motion from home is safe, not even at {100 * AMPLITUDES[-1]:.0f} % of the "
@@ -110,6 +112,25 @@ def excitations(robot: Robot, seconds: float, step: float, seed: int) -> list[Ex
             fix="describe a home position at which it rests, or wider ranges of its joints",
         )
     return results
+
+
+def _followed(
+    simulator: Simulator, time: Array, low: Array, high: Array, seed: int
+) -> Iterator[Excitation]:
+    """Yield motions that a controller follows, of each kind at the greatest safe amplitude."""
+    rng, count = np.random.default_rng([seed, 1]), len(simulator.robot.actuators)
+    quick = np.stack([quick_wave(time, rng, *LED) for _ in range(count)], axis=1)
+    slow = dict(waves(simulator.robot, time, seed))["slow"]
+    for kind, wave in (("quick", quick), ("slow", slow)):
+        for amplitude in AMPLITUDES:
+            wanted = references(simulator, time, amplitude * wave)
+            made = follow(simulator, time, wanted, low, high)
+            if made is not None and _safe(simulator.robot, made):
+                told = dict(reference_channels(simulator.robot, time, wanted))
+                yield Excitation(
+                    kind=f"follow: {kind}", amplitude=amplitude, recording=made, references=told
+                )
+                break
 
 
 def command_ranges(simulator: Simulator) -> tuple[Array, Array, Array]:
@@ -191,44 +212,6 @@ def _range(robot: Robot, actuator: Actuator, model: mujoco.MjModel) -> tuple[flo
             fix="give it a ctrlrange or a forcerange in the description, or a `limit` in the card",
         )
     return low, home, high
-
-
-def _waves(robot: Robot, time: Array, seed: int) -> Iterator[tuple[str, Array]]:
-    """Yield commands of each kind, within -1 and 1, shape (samples, actuators)."""
-    rng = np.random.default_rng(seed)
-    count = len(robot.actuators)
-    quick = np.stack([_quick(time, rng) for _ in range(count)], axis=1)
-    yield "quick", quick
-    shift = rng.uniform(0.0, 1.0, count)
-    often = RETURNS / time[-1] * (1.0 + 0.3 * rng.uniform(-1.0, 1.0, count))
-    turns = often * time[:, None] + shift
-    # A triangle: the same speed both ways, so that friction turns its sign and nothing else.
-    triangle = 4.0 * np.abs((turns % 1.0) - 0.5) - 1.0
-    yield "slow", triangle * _begun(time)
-    levels = rng.uniform(-1.0, 1.0, (int(time[-1] / HELD) + 1, count))
-    yield "steps", levels[(time / HELD).astype(int)]
-    if all(each.kind == "motor" for each in robot.actuators):
-        driving = (time % (2.0 * COAST) < COAST)[:, None]
-        yield "coast", quick * driving
-    if count > 1:
-        for at, actuator in enumerate(robot.actuators):
-            alone = np.zeros_like(quick)
-            alone[:, at] = quick[:, at]
-            yield f"one: {actuator.name}", alone
-
-
-def _quick(time: Array, rng: np.random.Generator) -> Array:
-    """Return a sum of sines over the band, at most 1, the slower the greater."""
-    hertz = np.geomspace(LOWEST, HIGHEST, WAVES) * rng.uniform(0.9, 1.1, WAVES)
-    size = hertz**-0.5
-    phase = rng.uniform(0.0, 2.0 * math.pi, WAVES)
-    whole = np.sin(2.0 * math.pi * hertz * time[:, None] + phase) @ size
-    return np.asarray(whole / np.abs(whole).max() * _begun(time)[:, 0])
-
-
-def _begun(time: Array) -> Array:
-    """Return what lets a command grow from none within a second, shape (samples, 1)."""
-    return np.minimum(time, 1.0)[:, None]
 
 
 def _simulated(simulator: Simulator, time: Array, given: Array) -> Recording | None:

@@ -66,10 +66,12 @@ class PlannedRun:
     """How long it lasts."""
 
     @property
-    def commands(self) -> Recording:
-        """The commands alone, to its end."""
+    def told(self) -> Recording:
+        """The commands alone, to its end, and the positions that are to be followed."""
         channels = self.excitation.recording.channels.items()
-        kept = {name: _until(c, self.seconds) for name, c in channels if name.endswith(".command")}
+        commands = {name: each for name, each in channels if name.endswith(".command")}
+        given = {**commands, **self.excitation.references}
+        kept = {name: _until(each, self.seconds) for name, each in given.items()}
         return replace(self.excitation.recording, channels=kept)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
+import threading
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
@@ -23,6 +24,7 @@ from morph.inference.prepared import MOST_SECONDS, Prepared, completed, prepared
 from morph.inference.rank import Progress, Ranking, ranked
 from morph.inference.remains import by_step
 from morph.inference.verdict import DiagnosisRuns, conclude
+from morph.model.deadline import Deadline
 from morph.model.derived_channels import by_effort
 from morph.model.diagnosis import Diagnosis
 from morph.model.finding import Change
@@ -42,6 +44,8 @@ from morph.sim.threads import one_thread
 
 MOST_CHANGES = 2
 """Most changes that are looked for."""
+ONE_SIDE, OTHER_SIDE = "on one side of a likely change, ", "on its other side, "
+"""Of which runs progress is told."""
 
 
 @one_thread()
@@ -54,6 +58,7 @@ def diagnose(
     vary: Mapping[str, float] | None = None,
     known: Sequence[Effect] = (),
     budget: float | None = None,
+    interrupt: threading.Event | None = None,
     seed: int = 0,
     progress: Progress | None = None,
 ) -> Diagnosis:
@@ -68,9 +73,11 @@ def diagnose(
             the last quarter.
         horizon: Seconds of the open-loop rollouts that are scored, at least 0.1; None
             for whole episodes.
-        vary: Fractions by which the description may be wrong; see `knobs`.
+        vary: Fractions by which the description may be wrong: of all `mass`, `com`, `inertia`,
+            `gain` and `joint`, or of one part, as `mass:forearm`; by default 0.1, of gains 0.05.
         known: Effects whose fixed parameters are known, such as the edge of a paddle.
         budget: Seconds; when they are spent the best answer so far is returned, marked.
+        interrupt: Set to have that answer at once.
         seed: Random seed.
         progress: Told what is being done and the share of the work behind.
 
@@ -93,14 +100,16 @@ def diagnose(
     for recording in (*recordings, *held_out):
         check_channels(recording, robot, measured)
     check_distinct((*recordings, *held_out))
-    say: Progress = progress or (lambda what, share: None)
-    deadline = math.inf if budget is None else started + 0.9 * budget
+    say = _onward(progress or (lambda what, share: None))
+    deadline = Deadline(
+        time=started + 0.9 * (budget or math.inf), interrupt=interrupt or threading.Event()
+    )
     whole = {recording.name: recording for recording in recordings}
     rank = functools.partial(
         _ranked, robot, held_out=held_out, whole=whole, vary=vary, known=known, deadline=deadline,
         say=say,
     )  # fmt: skip
-    half = started + 0.5 * (deadline - started)
+    half = deadline.halfway(started)
     (ready, ranking), changes = _since_changes(rank, recordings, held_out, known, half, say)
     scored = scored_segments(ready.aside, horizon)
     say("scoring the held-out runs", 0.9)
@@ -121,34 +130,47 @@ def diagnose(
     )
 
 
+def _onward(progress: Progress) -> Progress:
+    """Return what tells of progress, of which the share never falls."""
+    most = 0.0
+
+    def told(what: str, share: float) -> None:
+        nonlocal most
+        most = max(most, share)
+        progress(what, most)
+
+    return told
+
+
 def _since_changes(
-    rank: Callable[[Sequence[Recording]], tuple[Prepared, Ranking]],
+    rank: Callable[..., tuple[Prepared, Ranking]],
     recordings: Sequence[Recording],
     held_out: Sequence[Recording],
     known: Sequence[Effect],
-    deadline: float,
+    deadline: Deadline,
     say: Progress,
 ) -> tuple[tuple[Prepared, Ranking], list[Change]]:
     """Return what explains recordings of one and the same robot, and changes of it.
 
     Args:
-        rank: What explains some recordings.
+        rank: What explains some recordings, as `_ranked`.
         recordings: All but those that are held out.
         held_out: Those.
         known: Effects whose fixed parameters are known.
-        deadline: Time of the monotonic clock after which no change is looked for: what comes after
-            one takes as long as all before it.
+        deadline: After which no change is looked for: what comes after one takes as long as all
+            before it.
         say: Told what is being done and the share of the work behind.
     """
     current, changes = rank(recordings), list[Change]()
-    while len(changes) < MOST_CHANGES and not current[1].stopped and time.monotonic() < deadline:
+    while len(changes) < MOST_CHANGES and not current[1].stopped and not deadline.passed:
         say("looking for changes", 0.88)
         ready, ranking = current
         aside = () if held_out else ready.aside
         change, kept, rest = changed(ranking, recordings, ready.train, aside, known)
         if change is None:
             # A push in a run that was set aside is fitted, and another run is set aside.
-            return (current if kept is recordings else rank(kept)), changes
+            again = kept is not recordings
+            return (rank(kept, of="with a push, ") if again else current), changes
         try:
             proven = _proven(change, kept, rest, ranking, rank)
         except DiagnosisError:
@@ -166,7 +188,7 @@ def _proven(
     kept: Sequence[Recording],
     rest: Sequence[Recording],
     whole: Ranking,
-    rank: Callable[[Sequence[Recording]], tuple[Prepared, Ranking]],
+    rank: Callable[..., tuple[Prepared, Ranking]],
 ) -> tuple[Change, Sequence[Recording], tuple[Prepared, Ranking]] | None:
     """Return a change that both sides of it speak for, recordings of one side, and their ranking.
 
@@ -175,13 +197,13 @@ def _proven(
         kept: Recordings of the side of which all else is said.
         rest: The others, none where they are too short.
         whole: What explains both.
-        rank: What explains some recordings.
+        rank: What explains some recordings, as `_ranked`.
     """
     if not (change.stays or rest):
         return None
-    side = rank(kept if change.stays else rest)
+    side = rank(kept if change.stays else rest, of=ONE_SIDE)
     if change.alters:
-        there = bool(rest) and differs(change, (side[1], rank(rest)[1]))
+        there = bool(rest) and differs(change, (side[1], rank(rest, of=OTHER_SIDE)[1]))
         return (change, kept, side) if there else None
     alone = confirmed(change, side[1])
     if alone and change.stays:
@@ -189,7 +211,7 @@ def _proven(
     if not (alone or decided(whole, side[1])):
         if not (kept and rest and explained(side[1])):
             return None
-        other = rank(rest if change.stays else kept)
+        other = rank(rest if change.stays else kept, of=OTHER_SIDE)
         new = renamed(change, side[1], other[1])
         return None if new is None else (new, kept, side if change.stays else other)
     if change.stays:
@@ -197,7 +219,7 @@ def _proven(
         change, kept = replace(change, since=not change.since), rest
     if not kept:
         return None
-    side = rank(kept)
+    side = rank(kept, of=OTHER_SIDE)
     # A law that acts there as well has not changed.
     return None if confirmed(change, side[1]) else (change, kept, side)
 
@@ -210,8 +232,9 @@ def _ranked(
     whole: Mapping[str, Recording],
     vary: Mapping[str, float] | None,
     known: Sequence[Effect],
-    deadline: float,
+    deadline: Deadline,
     say: Progress,
+    of: str = "",
 ) -> tuple[Prepared, Ranking]:
     """Return recordings laid on a grid, and what explains them.
 
@@ -222,25 +245,30 @@ def _ranked(
         whole: Recordings that were cut, by name.
         vary: Fractions by which the description may be wrong.
         known: Effects whose fixed parameters are known.
-        deadline: Time of the monotonic clock after which no refit begins.
+        deadline: After which no refit begins.
         say: Told what is being done and the share of the work behind.
+        of: What these recordings are, before all that is told.
     """
     first: tuple[Prepared, Ranking] | None = None
-    most = math.inf
+    most, when = math.inf, of
+
+    def told(what: str, share: float) -> None:
+        say(f"{when}{what}", share)
+
     while True:
-        ready = prepared(robot, recordings, held_out, vary, deadline=deadline, say=say, most=most)
+        ready = prepared(robot, recordings, held_out, vary, deadline=deadline, say=told, most=most)
         ready = replace(
             ready, train=in_whole(ready.train, whole), aside=in_whole(ready.aside, whole)
         )
         coarse = functools.partial(by_step, ready.nominal, ready.train)
-        say("refitting the description's own parameters", 0.05)
+        told("refitting the description's own parameters", 0.05)
         result = ranked(
             ready.nominal,
             stretches(ready.train, MOST_SECONDS),
             known,
             start=first[1].best if first else None,
             coarse=(lambda runs: False) if first else coarse,
-            progress=say,
+            progress=told,
             deadline=deadline,
         )
         if first and result.stopped:
@@ -249,3 +277,4 @@ def _ranked(
         if first or result.stopped or not coarse(result.best.refit.runs):
             return ready, result
         first, most = (ready, result), 0.5 * ready.nominal.step
+        when = f"{of}at half the step, "

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import functools
 import math
-import time
 from collections.abc import Sequence, Set
 from dataclasses import dataclass, replace
 
@@ -24,6 +23,7 @@ from morph.inference.refit import under as refit_under
 from morph.inference.search import BeamSearch, Explanation, Prior
 from morph.inference.simulated import likeliest_limit, simulated
 from morph.inference.validate import FAR, FARTHEST, Validation, needed
+from morph.model.deadline import Deadline
 from morph.model.episodes import Episode
 from morph.model.hypothesis import Hypothesis
 from morph.physics.effect import Effect
@@ -67,8 +67,8 @@ class EffectSelection:
     """The stretches on which sets are compared."""
     prior: Prior
     """How probable sets are beforehand."""
-    deadline: float
-    """Time of the monotonic clock after which no refit begins."""
+    deadline: Deadline
+    """After which no refit begins."""
     by_rollouts: bool = False
     """Whether sets are refitted to rollouts, since runs are not explained to their noise."""
     by_forces: bool = False
@@ -76,7 +76,7 @@ class EffectSelection:
 
     def late(self) -> bool:
         """Return whether no refit may begin any more."""
-        return time.monotonic() > self.deadline
+        return self.deadline.passed
 
     @property
     def believed(self) -> bool:

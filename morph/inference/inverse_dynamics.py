@@ -7,8 +7,6 @@ whatever the others do, and forces are linear in nearly all that may be wrong.
 
 from __future__ import annotations
 
-import math
-import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -23,6 +21,7 @@ from morph.inference.output_error import output_error
 from morph.inference.quadratic import LogPosterior, information, offset
 from morph.inference.validate import Validation
 from morph.inference.whitened import Whitened
+from morph.model.deadline import NEVER, Deadline
 from morph.model.hypothesis import Hypothesis
 from morph.physics.body_motion import body_motions
 from morph.physics.dynamics import supplied
@@ -160,7 +159,7 @@ def likeliest_forces(
     runs: Sequence[Observed],
     *,
     blocks: int = 1,
-    deadline: float = math.inf,
+    deadline: Deadline = NEVER,
 ) -> LogPosterior:
     """Return the log posterior about the point at which forces err least.
 
@@ -175,7 +174,7 @@ def likeliest_forces(
         point: Where it begins, shape (entries,).
         runs: Smoothed by a similar hypothesis.
         blocks: Into how many folds each run is divided.
-        deadline: Time of the monotonic clock after which no step begins.
+        deadline: After which no step begins.
     """
 
     def errors(point: Array) -> ForceErrors:
@@ -188,7 +187,7 @@ def likeliest_forces(
     about = result.quadratic(hypothesis, point, result.sizes(none) + TINY)
     damping, failed, best = FIRST, 0, result.value(about)
     for _ in range(ROUNDS):
-        if failed > FAILED or time.monotonic() > deadline:
+        if failed > FAILED or deadline.passed:
             break
         step = none
         for _ in range(REWEIGHTED):
@@ -257,7 +256,7 @@ def force_error(
     hypothesis: Hypothesis,
     point: Array,
     validation: Validation,
-    deadline: float = math.inf,
+    deadline: Deadline = NEVER,
     *,
     runs: Sequence[Observed] | None,
 ) -> LogPosterior:
@@ -267,7 +266,7 @@ def force_error(
         hypothesis: Own parameters and effects; of sensors forces tell nothing.
         point: Where it begins, shape (entries,).
         validation: The rollouts. They are fitted from the better of the two points.
-        deadline: Time of the monotonic clock after which no step begins.
+        deadline: After which no step begins.
         runs: Smoothed by a similar hypothesis; None if they are not yet.
     """
     if runs is None or any(effect.kind == "sensor" for effect in hypothesis.effects):

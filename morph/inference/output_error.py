@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import math
-import time
-
 import numpy as np
 
 from morph.arrays import Array
 from morph.inference.quadratic import LogPosterior
 from morph.inference.validate import Validation
+from morph.model.deadline import NEVER, Deadline
 from morph.model.fit import fit, measure
 from morph.model.hypothesis import Hypothesis
 from morph.model.shooting import predict, quadratic, sensitivity
@@ -26,7 +24,7 @@ def output_error(
     hypothesis: Hypothesis,
     point: Array,
     validation: Validation,
-    deadline: float = math.inf,
+    deadline: Deadline = NEVER,
 ) -> LogPosterior:
     """Return the log posterior about the point at which rollouts err least, by multiple shooting.
 
@@ -44,7 +42,7 @@ def output_error(
         hypothesis: Own parameters and effects.
         point: Where it begins, shape (entries,).
         validation: The rollouts, and which fold each belongs to.
-        deadline: Time of the monotonic clock after which no step begins.
+        deadline: After which no step begins.
     """
     some = min(len(validation.segments), MOST_FITTED)
     rows = np.linspace(0, len(validation.segments) - 1, some).round().astype(int)
@@ -70,7 +68,7 @@ def output_error(
             deadline=deadline,
         )
     point, around = result.point, result.around
-    if not around.exact and time.monotonic() < deadline:
+    if not around.exact and not deadline.passed:
         around = sensitivity(hypothesis, segments, point, result.start, result.scale)
     fold, curve = validation.fold[rows], quadratic(segments, around, result.weight)
     grams = np.zeros((validation.folds, 1 + len(point), 1 + len(point)))

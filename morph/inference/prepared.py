@@ -16,6 +16,7 @@ from morph.inference.refit import refitted
 from morph.inference.unmeasured import with_unmeasured
 from morph.model.chain_closure import with_chains
 from morph.model.conventions import check_signs, check_units
+from morph.model.deadline import Deadline
 from morph.model.derived_channels import with_followers
 from morph.model.episodes import Episode, longest_step, step_for
 from morph.model.hypothesis import Hypothesis
@@ -59,7 +60,7 @@ def prepared(
     held_out: Sequence[Recording],
     vary: Mapping[str, float] | None,
     *,
-    deadline: float,
+    deadline: Deadline,
     say: Progress,
     most: float = math.inf,
 ) -> Prepared:
@@ -70,7 +71,7 @@ def prepared(
         recordings: Some recordings or parts of them.
         held_out: Those kept for testing.
         vary: Fractions by which the description may be wrong.
-        deadline: Time of the monotonic clock by which the diagnosis ends.
+        deadline: By which the diagnosis ends.
         say: Told what is being done and the share of the work behind.
         most: Longest step of the simulation, s.
 
@@ -85,7 +86,7 @@ def prepared(
     step = step_for(parts.train, robot)
     train, aside = (all_pieces(part, robot, step) for part in (parts.train, parts.held_out))
     for _ in range(GUESSES if any(each.guess.any() for each in train) else 0):
-        if time.monotonic() > started + 0.3 * (deadline - started):
+        if 0.7 * (time.monotonic() - started) > 0.3 * deadline.left:
             break
         # What was not read is guessed anew by figures that are refitted to the readings.
         say("estimating joints that were not read", 0.03)

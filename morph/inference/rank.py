@@ -32,6 +32,7 @@ from morph.inference.finalist import Finalist, gains, labels, simplified, under
 from morph.inference.observed import Observed, missing
 from morph.inference.search import BeamSearch, Prior
 from morph.inference.validate import FAR, FARTHEST, Validation
+from morph.model.deadline import NEVER, Deadline
 from morph.model.episodes import Episode
 from morph.model.hypothesis import Hypothesis
 from morph.physics.effect import Effect
@@ -77,7 +78,7 @@ def ranked(
     start: Finalist | None = None,
     coarse: Callable[[Sequence[Observed]], bool] = lambda runs: False,
     progress: Progress = lambda what, share: None,
-    deadline: float = math.inf,
+    deadline: Deadline = NEVER,
 ) -> Ranking:
     """Return the sets of effects that explain runs best.
 
@@ -94,8 +95,8 @@ def ranked(
         coarse: Whether what remains of smoothed runs may be the step's own error. Then the ranking
             ends with its first search, as another in a shorter step is to follow.
         progress: Told what is being done, and the share of the work that is behind.
-        deadline: Time of the monotonic clock, about that of the answer: less what a last search
-            and held-out scores take, no step of a refit begins after it.
+        deadline: About that of the answer: less what a last search and held-out scores take, no
+            step of a refit begins after it.
     """
     touching, stopped = (acts(nominal.robot, episodes) for acts in (touches, at_stops))
     validation = Validation.of(episodes, touching=touching, stopped=stopped)
@@ -110,7 +111,8 @@ def ranked(
         prior=Prior(alone={}),
         deadline=deadline,
     )
-    own = replace(task, deadline=math.inf).refitted(nominal, nominal.start)
+    unbounded = replace(deadline, time=math.inf)
+    own = replace(task, deadline=unbounded).refitted(nominal, nominal.start)
     measured = _told(nominal.robot) and not validation.constrained
     most = 0.0 if tossed else FAR if measured else FARTHEST
     far = missing(own.refit.runs) >= most
@@ -179,7 +181,7 @@ def _begun(task: EffectSelection, none: Finalist, start: Finalist | None = None)
     begun = time.monotonic()
     search = task.search(none)
     # Another search, beside the answer, and the scores of held-out runs take as long each.
-    deadline = task.deadline - 2.0 * (time.monotonic() - begun)
+    deadline = task.deadline.earlier(2.0 * (time.monotonic() - begun))
     task = replace(task, prior=search.prior, deadline=deadline)
     result = _Found(task=task, none=none, best=none, search=search)
     if start is None or not start.effects or task.late():
@@ -195,7 +197,7 @@ def _by_rollouts(task: EffectSelection, own: Finalist) -> _Found:
     """Return a ranking by errors of rollouts before its first round."""
     measured = _told(task.nominal.robot) and not task.validation.constrained
     task = replace(task, by_rollouts=True, by_forces=measured)
-    half = replace(task, deadline=0.5 * (time.monotonic() + task.deadline))
+    half = replace(task, deadline=task.deadline.halfway())
     return _begun(task, half.refitted(task.nominal, own.refit.point, own.refit.runs))
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
@@ -15,6 +14,7 @@ from morph.inference.columns import acting
 from morph.inference.disturbance import log_likelihood
 from morph.inference.observed import Observed, missing, observed, settled
 from morph.inference.quadratic import information, offset, quadratic
+from morph.model.deadline import NEVER, Deadline
 from morph.model.episodes import Episode
 from morph.model.hypothesis import Hypothesis
 from morph.physics.effect import Effect
@@ -118,7 +118,7 @@ def refitted(
     origin: Refit | None = None,
     before: Sequence[Observed] | None = None,
     rounds: int = 2,
-    deadline: float = math.inf,
+    deadline: Deadline = NEVER,
 ) -> Refit:
     """Return a hypothesis refitted to runs by Gauss-Newton steps, shortened if they gain nothing.
 
@@ -132,7 +132,7 @@ def refitted(
             less than it, the search starts again from nearer to it.
         before: The runs smoothed by a similar hypothesis, where there is no such refit.
         rounds: Most steps before the disturbances are estimated anew.
-        deadline: Time of the monotonic clock after which no step begins.
+        deadline: After which no step begins.
     """
     # Effects act along a motion: without one it is that of the model alone.
     bare = replace(hypothesis, effects=())
@@ -150,7 +150,7 @@ def refitted(
     idle, price = _idle(hypothesis, origin), 0.5 * (len(point) - len(origin.point))
     for share in NEARER:
         enough = origin.evidence - price * math.log(readings(runs))
-        if best.evidence >= enough or missing(best.runs) > HOPELESS or time.monotonic() > deadline:
+        if best.evidence >= enough or missing(best.runs) > HOPELESS or deadline.passed:
             break
         near = idle + share * (point - idle)
         first = _judged(hypothesis, near, seen(hypothesis, near, episodes, origin.runs), len(near))
@@ -164,7 +164,7 @@ def _converged(
     episodes: Sequence[Episode],
     rounds: int,
     most: float,
-    deadline: float,
+    deadline: Deadline,
     *,
     cold: bool = False,
 ) -> Refit:
@@ -175,7 +175,7 @@ def _converged(
     would, or that a limit takes away, hides these, and stays likely beside the motion it makes.
     """
     for _ in range(ESTIMATES):
-        if time.monotonic() > deadline:
+        if deadline.passed:
             break
         best = _descended(best, episodes, rounds)
         # Explained errors leave less force missing, which weighs all readings anew.
@@ -184,7 +184,7 @@ def _converged(
         last, best = best, max(best, anew, key=lambda each: each.evidence)
         if best.evidence < last.evidence + SETTLED or missing(best.runs) > most:
             break
-    if cold or not HIDING < missing(best.runs) <= most or time.monotonic() > deadline:
+    if cold or not HIDING < missing(best.runs) <= most or deadline.passed:
         return best
     little = [
         replace(run, about=replace(run.about, disturbance=run.about.leaving(LITTLE)))

@@ -210,8 +210,9 @@ def doubts(
     ends = [name for name, each in own.items() if each.bounded and not each.prior_only]
     if results and ends:
         lines.append(
-            f"At the end of what --vary allows: {', '.join(ends)}. What was named may stand for "
-            "what these cannot."
+            f"Refitted as far as --vary allows: {', '.join(ends)}. A load or another part may be "
+            "there, and what was named may stand for what these cannot reach. To allow more: "
+            f"--vary {' '.join(f'{name}=0.3' for name in ends)}"
         )
     return tuple(lines)
 

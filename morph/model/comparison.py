@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import ClassVar
 
 import numpy as np
 
-from morph.arrays import JSON
+from morph.arrays import JSON, Array
 from morph.body.robot import Robot
 from morph.files import write_whole
+from morph.model.conventions import check_units
 from morph.model.derived_channels import by_effort, told_zero
 from morph.model.episodes import Episode, step_for
 from morph.model.hypothesis import Hypothesis
@@ -21,7 +23,7 @@ from morph.model.measurement import Measurement
 from morph.model.motion import needed
 from morph.model.pieces import all_pieces
 from morph.model.score import rmse, rollouts
-from morph.model.segments import Segments, scored_segments
+from morph.model.segments import Segments, scored_segments, smoothed_noise
 from morph.model.tracked_links import with_tracked_links
 from morph.model.validate_recordings import check_channels, check_recordings
 from morph.physics.effect import Effect
@@ -31,8 +33,8 @@ from morph.tabular import Tabular
 SCHEMA = "morph.comparison/1"
 
 PARTED, LITTLE = 2.0, 0.01
-"""Error over a channel's noise, and over its motion, above both of which description and recordings
-part: rollouts start from smoothed states, which err by some of the noise and of the motion."""
+"""Error over a channel's noise and over what errors of starts make, and over its motion, above all
+of which description and recordings part: rollouts start from smoothed states."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -63,6 +65,9 @@ class ChannelError:
     """Standard deviation of the readings' noise."""
     motion: float
     """Root mean square of how far it moves from where rollouts start."""
+    by_starts: float
+    """Root mean square of how far errors of the smoothed starts alone move rollouts: they grow in
+    an arm that stands upright, and in contact."""
     missing: float
     """Root mean square of the generalized force that the motion needs beside the model's, N m or N;
     motion is looked at 40 times a second and smoothed."""
@@ -72,7 +77,8 @@ class ChannelError:
     @property
     def parts(self) -> bool:
         """Whether the error is more than noise and smoothed starts make."""
-        return self.error > max(PARTED * self.noise, LITTLE * self.motion)
+        chance = max(self.noise, self.by_starts)
+        return self.error > max(PARTED * chance, LITTLE * self.motion)
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -141,7 +147,8 @@ def compare(
 
     Raises:
         RecordingError: A channel is missing or holds what cannot be.
-        DiagnosisError: A recording is shorter than half a second, or too few readings were taken.
+        DiagnosisError: A recording is shorter than half a second, too few readings were taken, or
+            angles are in degrees.
     """
     recordings = [
         with_tracked_links(with_base(told_zero(by_effort(each, robot), robot), robot), robot)
@@ -152,17 +159,23 @@ def compare(
         check_channels(recording, robot, Measurement.of(robot).needed)
     step = step_for(recordings, robot)
     laid = all_pieces(recordings, robot, step)
+    if all(joint.kind in ("hinge", "slide") for joint in robot.joints) and not robot.loops:
+        # Of what floor and loops do the forces are not known before a simulation.
+        check_units(laid, robot)
     if horizon is not None and max(len(each.command) for each in laid) * step < horizon:
         horizon = None
     segments = scored_segments(laid, horizon)
     used = {segments.episodes[at].recording.name for at in segments.episode.tolist()}
     short = [each.name for each in recordings if each.name not in used]
     model = Hypothesis(robot=robot, step=step, knobs=(), effects=tuple(effects))
-    predicted = rollouts({"described": (model, model.start)}, segments)["described"]
+    shaken = _noisy_starts(segments)
+    both = dict.fromkeys(("described", "shaken"), (model, model.start))
+    predicted, other = rollouts(both, segments, {"shaken": shaken}).values()
     missing = np.concatenate(
         [needed(model, model.start, each, suspects=False).missing for each in laid]
     )
     errors = rmse(segments, predicted)
+    by_starts = rmse(replace(segments, reading=predicted), other)
     squared = np.where(segments.valid, (segments.reading - predicted) ** 2, 0.0)
     space, count = segments.measurement.coordinates, segments.reading.shape[1]
     rested = np.repeat(segments.start[:, None, : space.positions], count, axis=1)
@@ -178,6 +191,7 @@ def compare(
                 error=float(errors[at]),
                 noise=float(segments.noise[at]),
                 motion=float(motions[at]),
+                by_starts=float(by_starts[at]),
                 missing=float(np.sqrt(np.mean(missing[:, at] ** 2))),
                 worst=_moment(segments, row, float(by_rollout[row, at])),
             )
@@ -196,6 +210,15 @@ def compare(
             *(["missing forces hold those of the closed chains"] if robot.loops else ()),
         ),
     )
+
+
+def _noisy_starts(segments: Segments) -> Array:
+    """Return starts with as much noise more as smoothing has let through, (segments, nq + nv)."""
+    place = smoothed_noise(segments.episodes[0], segments.noise) + segments.guess
+    # White below the cutoff: its derivative's variance is (2 pi f)^2 / 3 of its own.
+    rate = 2.0 * np.pi / math.sqrt(3.0) * segments.episodes[0].state_cutoff * place
+    chance = np.random.default_rng(0).standard_normal((len(segments), 2 * len(place)))
+    return segments.moved(segments.start, chance * np.concatenate([place, rate]))
 
 
 def _moment(segments: Segments, row: int, error: float) -> WorstRollout:

@@ -198,9 +198,12 @@ class Diagnosis(Tabular):
             lines = [OUT_OF_TIME if self.stopped_short else UNNAMED]
             lines += (f"Perhaps {x.replace('@', ' at ')}." for x in self.probabilities if "@" in x)
         elif self.unexplained.probability > 0.5:
+            shares = self.unexplained.channels
+            worst = max(shares, key=shares.__getitem__, default="a joint")
             lines.append(
-                f"A force of {round(100.0 * self.unexplained.share, 1):g} % of the inertial force "
-                "remains, and no effect that was tried explains it."
+                f"At {worst.removesuffix('.position')} a force of "
+                f"{round(100.0 * self.unexplained.share, 1):g} % of the inertial one is missing "
+                "still, and no law that was tried explains it."
             )
         if "rejected" in self.held_out_rmse:
             lines.append(REJECTED)

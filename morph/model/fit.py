@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import math
-import time
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from morph.arrays import Array
 from morph.errors import EffectError
+from morph.model.deadline import NEVER, Deadline
 from morph.model.hypothesis import Hypothesis
 from morph.model.segments import Segments
 from morph.model.shooting import (
@@ -114,7 +113,7 @@ def fit(
     start: Array | None = None,
     around: Sensitivity | None = None,
     iterations: int = 6,
-    deadline: float = math.inf,
+    deadline: Deadline = NEVER,
 ) -> Fit:
     """Fit a hypothesis to segments by Gauss-Newton steps with batched line searches.
 
@@ -130,7 +129,7 @@ def fit(
         start: The segments' starts to begin with; default as smoothed.
         around: Error and derivatives at `point` and `start`, where they are known.
         iterations: Most steps.
-        deadline: Time of the monotonic clock after which no step begins.
+        deadline: After which no step begins.
     """
     point = hypothesis.start if point is None else point
     point = np.clip(point, hypothesis.low, hypothesis.high)
@@ -139,7 +138,7 @@ def fit(
     if around is None:
         around = sensitivity(hypothesis, segments, point, start, scale)
     for _ in range(iterations):
-        if time.monotonic() > deadline:
+        if deadline.passed:
             break
         exact, curve = around.exact, quadratic(segments, around, weight)
         total = curve.hessian.sum(axis=0), curve.slope.sum(axis=0)

@@ -250,18 +250,26 @@ def _normal(start: Array, space: Coordinates) -> Array:
     return start
 
 
+def smoothed_noise(episode: Episode, noise: Array) -> Array:
+    """Return the standard deviation of a light smoothing's positions, shape (channels,).
+
+    Args:
+        episode: Whose readings are smoothed.
+        noise: Of each channel's readings, white.
+    """
+    clocks = [episode.time[there] if there.any() else episode.time for there in episode.valid.T]
+    period = np.array([np.median(np.diff(clock)) for clock in clocks])
+    return np.asarray(noise * np.sqrt(2.0 * episode.state_cutoff * period))
+
+
 def _start_trust(episodes: Sequence[Episode], noise: Array, guess: Array) -> Array:
     """Return how far smoothed starts may be trusted: noise let through, and motion cut off.
 
     Of joints that were not read they are guesses.
     """
-    first = episodes[0]
-    clocks = [first.time[there] if there.any() else first.time for there in first.valid.T]
-    period = np.array([np.median(np.diff(clock)) for clock in clocks])
-    cutoff = first.state_cutoff
+    cutoff, passed = episodes[0].state_cutoff, smoothed_noise(episodes[0], noise)
     rates = [e.state[:, e.measurement.coordinates.positions :] for e in episodes]
     speed = np.sqrt(np.mean(np.concatenate([rate**2 for rate in rates]), axis=0))
-    passed = noise * np.sqrt(2.0 * cutoff * period)
     of_position = np.maximum(noise, passed)
     of_velocity = 2.0 * np.pi * cutoff * passed + 0.02 * speed + 1e-6
     unknown = np.concatenate([guess, np.where(guess > 0.0, speed + guess * QUICK, 0.0)])

@@ -38,15 +38,20 @@ def load_recordings(
     path = Path(path)
     try:
         recordings = _recordings(path, root, robot)
+        if robot is not None:
+            for recording in recordings:
+                _check_parts(recording, robot)
+    except RecordingError as error:
+        if path.is_file() and path.suffix != ".toml" and (path.parent / BINDING).is_file():
+            what = f"give {path.parent} in its place: the {BINDING} there says what columns are"
+            raise RecordingError(error.what, where=error.where, fix=what) from error
+        raise
     except OSError as error:
         raise RecordingError(
             f"the recording cannot be read: {error.strerror or error}",
             where=str(path),
             fix="check the path and that it may be read",
         ) from error
-    if robot is not None:
-        for recording in recordings:
-            _check_parts(recording, robot)
     return distinct(recordings)
 
 

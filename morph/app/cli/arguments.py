@@ -8,7 +8,10 @@ from typing import Annotated, Literal
 
 import tyro
 
-from morph.app.cli.options import Base, File, Folder, Horizon, Many, Name, Names, Seconds, unset
+from morph.app.cli.options import Base, File, Folder, Horizon, Many, Name, Names, unset
+
+BUDGET = 600.0
+"""Seconds that a diagnosis may take if nothing else is given."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -36,8 +39,8 @@ class Diagnose:
     mass:pole=0 of one; com, inertia, gain, and joint for constants of joints."""
     root: Folder = None
     """Folder that a recording.toml's files are relative to, instead of its own `root`."""
-    budget: Seconds = None
-    """Seconds after which the best answer so far is written (exit status 3)."""
+    budget: Annotated[float, tyro.conf.arg(metavar="SECONDS")] = BUDGET
+    """Seconds after which the best answer so far is written (exit status 3), as after Ctrl-C."""
     world: Name = None
     """The floor that it stood on, where the description has none: as `morph simulate --world`."""
     seed: int = 0

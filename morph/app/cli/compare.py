@@ -67,20 +67,29 @@ def run_compare(options: Compare) -> int:
     else:
         driven = [by_effort(each, robot) for each in recordings]
         whole = all(told_zero(each, robot) is each for each in driven)
-        sys.stdout.write(in_words(result) + "\n" + _further(options, whole=whole) + "\n")
+        sys.stdout.write(
+            in_words(result, options.effects) + "\n" + _further(options, whole=whole) + "\n"
+        )
     return 0
 
 
-def in_words(result: RolloutComparison) -> str:
-    """Return what was found, a line for each channel, the farthest off first."""
+def in_words(result: RolloutComparison, effects: str | None = None) -> str:
+    """Return what was found, a line for each channel, the farthest off first.
+
+    Args:
+        result: What was found.
+        effects: The file of what acts beside the description.
+    """
+    beside = "" if effects is None else f" with the effects of {effects}"
     span = "whole recordings" if result.horizon is None else f"rollouts of {result.horizon:g} s"
     parting = sum(each.parts for each in result.channels)
     several = len(result.recordings) != 1
     lines = [
-        f"{result.robot} as described, beside {len(result.recordings)} "
+        f"{result.robot} as described{beside}, beside {len(result.recordings)} "
         f"recording{'s' * several} of {result.seconds:.3g} s "
         f"({result.rollouts} {span} from recorded states):",
-        f"  {parting} of {len(result.channels)} channels differ by more than noise",
+        f"  {parting} of {len(result.channels)} channels differ by more than noise and the "
+        "rollouts' starts make",
     ]
     lines += [f"  {_line(each)}" for each in result.channels]
     return "\n".join([*lines, *(f"  note: {note}" for note in result.notes)])
@@ -91,8 +100,11 @@ def _line(each: ChannelError) -> str:
     size = f"{each.channel}: {each.error:.3g} {each.unit} off, RMS, "
     if each.motion > 0.0:
         share = 100.0 * each.error / each.motion
-        size += f"{f'{share:.0f}' if share >= 10.0 else f'{share:.2g}'} % of its motion, "
-    size += f"{each.error / each.noise:,.1f} times the noise"
+        share_text = f"{share:.0f}" if share >= 10.0 else f"{share:.2g}"
+        size += f"{share_text} % of how far it moves in a rollout, "
+    size += f"{each.error / each.noise:,.1f} times the noise of its readings"
+    if each.by_starts > each.noise:
+        size += f"; errors of the rollouts' starts alone make {each.by_starts:.3g} {each.unit}"
     if not each.parts:
         return f"{size}; as described"
     worst = each.worst

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import math
 import shlex
+import signal
 import sys
+import threading
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
-from morph.app.cli.arguments import Diagnose
+from morph.app.cli.arguments import BUDGET, Diagnose
 from morph.app.cli.options import description_options
 from morph.app.report import words
 from morph.body.load import load as load_robot
@@ -58,16 +61,18 @@ def _diagnosed(options: Diagnose, horizon: float | None, vary: dict[str, float])
     fitted, aside = _recordings(options, robot)
     from morph.inference.diagnose import diagnose
 
-    result = diagnose(
-        robot,
-        fitted,
-        held_out=aside,
-        horizon=horizon,
-        vary=vary,
-        budget=options.budget,
-        seed=options.seed,
-        progress=None if options.quiet else _Progress(),
-    )
+    with _interruptible() as interrupt:
+        result = diagnose(
+            robot,
+            fitted,
+            held_out=aside,
+            horizon=horizon,
+            vary=vary,
+            budget=options.budget,
+            interrupt=interrupt,
+            seed=options.seed,
+            progress=None if options.quiet else _Progress(),
+        )
     about = {"command": _command(options), **_planned(options, robot, result)}
     return replace(result, provenance={**result.provenance, **about})
 
@@ -98,18 +103,23 @@ def in_words(result: Diagnosis, out: Path) -> str:
     lines += [f"  remains: {sentence}" for sentence in words.remains(result)]
     span = "whole episodes" if result.horizon is None else f"{result.horizon:g} s rollouts"
     lines.append(f"  error on held-out runs ({', '.join(result.held_out)}; {span}):")
+    units = words.units(result)
     for channel, nominal in result.held_out_rmse["nominal"].items():
+        unit = f", {units[channel]}" if channel in units else ""
         refitted = result.held_out_rmse["refitted"][channel]
         corrected = result.held_out_rmse["corrected"][channel]
         lines.append(
-            f"    {channel}: {nominal:.3g} as described, {refitted:.3g} refitted, "
+            f"    {channel}{unit}: {nominal:.3g} as described, {refitted:.3g} refitted, "
             f"{corrected:.3g} corrected"
         )
     lines += [f"  note: {note}" for note in result.notes[:MOST_NOTES]]
     if len(result.notes) > MOST_NOTES:
         lines.append(f"  note: {len(result.notes) - MOST_NOTES} more in the report")
     if result.stopped_short:
-        lines.append("  The budget ended first: this is the best answer so far.")
+        lines.append(
+            "  The search was ended before it had tried all: this is the best answer so far "
+            "(--budget SECONDS)."
+        )
     lines.append(f"  report: {out / 'report.html'} ({result.seconds:.0f} s)")
     if result.corrected:
         lines.append(f"  corrected model: {out / 'corrected.xml'}")
@@ -240,12 +250,33 @@ def _command(options: Diagnose) -> str:
     parts += description_options(options.base, options.folder)
     parts += ["--horizon", options.horizon] if options.horizon != "1.0" else []
     parts += ["--root", str(options.root)] if options.root is not None else []
-    parts += ["--budget", f"{options.budget:g}"] if options.budget is not None else []
+    parts += ["--budget", f"{options.budget:g}"] if options.budget != BUDGET else []
     return shlex.join([*parts, "--seed", str(options.seed)])
 
 
 LIKELY = 0.1
 """Probability of a finding from which an experiment is proposed for it."""
+
+
+@contextmanager
+def _interruptible() -> Iterator[threading.Event]:
+    """Lend an event that Ctrl-C sets; a second Ctrl-C ends the program, as ever."""
+    interrupt = threading.Event()
+    if threading.current_thread() is not threading.main_thread():
+        yield interrupt
+        return
+    before = signal.getsignal(signal.SIGINT)
+
+    def end(_number: int, _frame: object) -> None:
+        interrupt.set()
+        signal.signal(signal.SIGINT, before)
+        sys.stderr.write("\nThe best answer so far will be written; Ctrl-C again ends at once.\n")
+
+    signal.signal(signal.SIGINT, end)
+    try:
+        yield interrupt
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 class _Progress:

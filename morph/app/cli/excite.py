@@ -90,7 +90,7 @@ def _write(result: ExperimentPlan, out: Path) -> str:
 
     with atomic_directory(out, check, (*files, MARKER)) as folder:
         for file, run in zip(files, result.runs, strict=True):
-            write(run.commands, folder / file)
+            write(run.told, folder / file)
         write_whole(folder / MARKER, text)
     return text
 
@@ -99,10 +99,16 @@ def in_words(result: ExperimentPlan, options: Excite) -> str:
     """Return what to run, what it tells apart and what it does not, and the next commands."""
     lines = [f"{result.robot.name}: {len(result.runs)} of {result.tried} motions"]
     for number, run in enumerate(result.runs):
-        share = 100.0 * run.excitation.amplitude
+        share, led = 100.0 * run.excitation.amplitude, bool(run.excitation.references)
         lines.append(
             f"  run_{number + 1}.csv: {run.excitation.kind}, {run.seconds:.3g} s, {share:.2g} % of "
-            "the actuators' limits"
+            + ("how far its joints can go" if led else "the actuators' limits")
+        )
+    followed = any(run.excitation.references for run in result.runs)
+    if followed:
+        lines.append(
+            "  follow: its motors must hold it up, so let its own controller follow the positions, "
+            "and log what the motors are told (the commands here are those of the description)"
         )
     if options.for_everything:
         lines += [*_shown(result.separations), *_alike(result.separations)]
@@ -114,8 +120,10 @@ def in_words(result: ExperimentPlan, options: Excite) -> str:
     described = description_options(options.base, options.folder)
     simulate = ["morph", "simulate", options.robot, *described, "--commands", str(first)]
     simulate += ["--seconds", f"{result.runs[0].seconds:g}"]
+    shown = ["morph", "view", options.robot, "--recording", str(first)]
+    see = shown if result.runs[0].excitation.references else [*simulate, "--view"]
     further = [
-        f"to see it: {shlex.join([*simulate, '--view'])}",
+        f"to see it: {shlex.join(see)}",
         "to name what acts, record the robot under it: "
         + shlex.join(["morph", "diagnose", options.robot, *described, "RECORDING", "--out", "DIR"]),
     ]

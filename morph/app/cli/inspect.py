@@ -149,10 +149,12 @@ def _joints(robot: Robot, columns: int | None) -> list[str]:
             _range(joint),
             _drive(joint, drives.get(joint.name)),
             "" if joint.velocity is None else f"{joint.velocity:.4g} {joint.unit}/s",
+            f"{joint.damping:.4g} {joint.effort_unit} s/{joint.unit}" if joint.damping else "",
+            f"{joint.friction:.4g} {joint.effort_unit}" if joint.friction else "",
         )
         for joint in robot.joints
     ]
-    head = ("joint", "kind", "moves", "range", "driven by", "speed")
+    head = ("joint", "kind", "moves", "range", "driven by", "speed", "damping", "dry friction")
     return table(head, rows, columns=columns) if rows else []
 
 
@@ -182,6 +184,7 @@ def _drive(joint: Joint, actuator: Actuator | None) -> str:
     if actuator is None:
         return ""
     kind = {"position": "servo"}.get(actuator.kind, actuator.kind)
+    kind += "" if actuator.name == joint.name else f" {_name(actuator.name)}"
     return kind if actuator.limit is None else f"{kind} {actuator.limit:.4g} {joint.effort_unit}"
 
 

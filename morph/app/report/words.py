@@ -140,18 +140,20 @@ def remains(diagnosis: Diagnosis) -> tuple[str, ...]:
     unsure = percent(left.probability)
     lines = [f"Physics that was not named remains with a probability of {unsure}."]
     worst = sorted(left.channels.items(), key=lambda each: -each[1])[:NAMED]
-    forces = ", ".join(f"{_share(share)} % at {name}" for name, share in worst)
+    forces = ", ".join(
+        f"{_share(share)} % at {name.removesuffix('.position')}" for name, share in worst
+    )
     if forces:
-        lines.append(f"Unexplained force, as a share of the inertial force: {forces}.")
+        lines.append(f"Force that is missing still, as a share of the inertial force: {forces}.")
     if left.contact:
         lines.append(
             "The robot touches a floor or the stops of its joints: of these forces rollouts alone "
             "tell."
         )
     lines.append(
-        f"Rollouts of a typical fitted segment err by {number(left.in_noise)} times the variance "
-        "of the sensors' noise; of a right model by about 1, or by some times as much where small "
-        "errors of their starts grow."
+        f"Rollouts of a typical fitted segment err by {number(math.sqrt(left.in_noise))} times the "
+        "sensors' noise, RMS; a right model's by about 1, or by many times as much where small "
+        "errors of their starts grow, as of an arm that stands upright."
     )
     if any(UNREAD in note for note in diagnosis.notes):
         lines.append(

@@ -75,6 +75,11 @@ def jointed(*held: str, kind: str = "continuous", **more: str) -> Callable[[Any]
     return elements
 
 
+REDUCED = """<transmission name="t"><joint name="shoulder"/><actuator name="m">
+<mechanicalReduction>50</mechanicalReduction></actuator></transmission>"""
+"""Of the joint of `jointed`."""
+
+
 def legs(**odd: Any) -> Callable[[Any], Iterable[Any]]:
     """Return two legs of three joints that mirror each other but for one thing."""
 
@@ -120,6 +125,7 @@ TABLE: dict[str, Callable[[Any], Iterable[Any]]] = {
     "limit-absurd": jointed(LIMIT.format(-90, 90, 1), kind="revolute"),
     "limit-range": jointed(LIMIT.format(1, -1, 1), kind="revolute"),
     "limit-zero": jointed(LIMIT.format(-1, 1, 0), kind="revolute"),
+    "reduction": lambda b: [*jointed()(b), REDUCED],
     "mesh-missing": shown(stl(CUBE), "gone.stl"),
     "mesh-case": shown(stl(CUBE), "Part.STL"),
     "mesh-path": shown(stl(CUBE), "meshes/part.stl"),

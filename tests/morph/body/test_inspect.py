@@ -101,6 +101,8 @@ def test_a_body_is_what_was_drawn(tmp_path: Path) -> None:
             "limits": [-1.0, 2.0],
             "effort": 7.0,
             "velocity": 3.0,
+            "damping": 0.0,
+            "friction": 0.0,
             "unit": "rad",
             "mimic": None,
         }

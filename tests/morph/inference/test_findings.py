@@ -72,7 +72,8 @@ def test_own_parameters_at_the_end_of_what_they_may_be_are_named(cartpole: Robot
     }
     found = [late(0.1, 0.01, ActuatorDelay(actuator="slide"))]
     (line,) = doubts(found, ends, cartpole)
-    assert line.startswith("At the end of what --vary allows: com:pole. ")
+    assert line.startswith("Refitted as far as --vary allows: com:pole. ")
+    assert line.endswith(" --vary com:pole=0.3")
     assert doubts([], ends, cartpole) == ()
 
 

@@ -53,6 +53,38 @@ def test_nothing_parts_where_nothing_is_missing(pendulum: Robot) -> None:
     assert found.rollouts == 9
 
 
+def balanced(seed: int = 0) -> Recording:
+    """Return a pendulum that a controller holds upright, by its own equation."""
+    inertia, weight, step = 0.251, 9.81 * 0.5, 1e-3
+    q, v, angles, told = np.pi + 0.05, 0.0, [], []
+    for at in range(10_000):
+        if at % 10 == 0:
+            push = -40.0 * (q - np.pi - 0.3 * np.sin(0.002 * at)) - 4.0 * v
+        angles.append(q)
+        told.append(push)
+        v += step * (push - weight * np.sin(q)) / inertia
+        q += step * v
+    rng, time = np.random.default_rng(seed), step * np.arange(0, 10_000, 10)
+    read = np.array(angles[::10]) + rng.normal(0.0, NOISE, len(time))
+    channels = {
+        "hinge.position": Channel(time=time, value=read),
+        # A semi-implicit step has its force half a step before its time.
+        "hinge.command": Channel(time=time - 0.5 * step, value=np.array(told[::10]), hold=True),
+    }
+    return Recording(name="balanced", channels=channels)
+
+
+def test_a_right_description_does_not_part_where_errors_of_starts_grow(pendulum: Robot) -> None:
+    (upright,) = compare(pendulum, [balanced()]).channels
+    (hanging,) = compare(pendulum, [swung(pendulum)]).channels
+    # Upright errors grow by exp(t sqrt(4.9 / 0.25)), 80 times in a second, from .2 mrad and of a
+    # velocity of which 15 Hz of the noise pass.
+    assert upright.error > 20.0 * upright.noise
+    assert not upright.parts
+    assert upright.by_starts > 20.0 * upright.noise
+    assert hanging.by_starts < 5.0 * hanging.noise
+
+
 def test_what_a_joint_lacks_is_the_size_of_its_hidden_friction(pendulum: Robot) -> None:
     rubbing = CoulombFriction(joint="hinge", c=0.2)
     (hinge,) = compare(pendulum, [swung(pendulum, rubbing)]).channels

@@ -198,3 +198,21 @@ def test_a_copy_on_another_clock_is_a_copy() -> None:
 def test_a_path_without_anything_is_told_as_that(tmp_path: Path) -> None:
     with pytest.raises(RecordingError, match="there is no such file or folder"):
         load_recordings(tmp_path / "nothing")
+
+
+def test_a_file_with_a_binding_beside_it_names_the_folder(tmp_path: Path, pendulum: Robot) -> None:
+    file = save(tmp_path / "log.csv", lines(header="t,angle,torque"))
+    (tmp_path / "recording.toml").write_text(
+        """[[episode]]
+file = "log.csv"
+[columns]
+time = { column = "t", unit = "s" }
+"hinge.position" = { column = "angle", unit = "rad" }
+"hinge.command" = { column = "torque", unit = "N m" }
+"""
+    )
+    with pytest.raises(RecordingError) as caught:
+        load_recordings(file, robot=pendulum)
+    assert caught.value.fix.startswith(f"give {tmp_path} in its place")
+    # What it says works.
+    assert len(load_recordings(tmp_path, robot=pendulum)) == 1

@@ -36,7 +36,7 @@ def test_what_parts_is_told_with_the_commands_that_show_and_name_it(run: Path, c
     assert main(["compare", "pendulum", str(run), "--quiet"]) == 0
     said = capsys.readouterr().out
     assert "pendulum as described, beside 1 recording of 5 s (4 rollouts of 1 s" in said
-    assert "1 of 1 channels differ by more than noise" in said
+    assert "1 of 1 channels differ by more than noise and the rollouts' starts make" in said
     assert "hinge.position:" in said
     assert "most in swing from" in said
     assert f"morph view pendulum --recording {run} --first mismatch" in said

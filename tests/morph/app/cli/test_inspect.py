@@ -73,7 +73,7 @@ def test_the_words_say_what_the_numbers_say(capsys: pytest.CaptureFixture[str]) 
     assert words.startswith("cartpole: 1 kg, 2 links, 2 joints, 2 degrees of freedom\n")
     # Half the mass is the pole's, whose centre hangs 0.25 m below the cart's.
     assert "centre of mass at home (0, 0, -0.125) m" in words
-    assert re.search(r"^slide +slide +cart +unlimited +motor 10 N$", words, re.MULTILINE)
+    assert re.search(r"^slide +slide +cart +unlimited +motor 10 N +0.1 N s/m$", words, re.MULTILINE)
     assert re.search(r"^hinge +hinge +pole +unlimited$", words, re.MULTILINE)
     assert re.search(r"^pole +cart +0.5 +1 capsule$", words, re.MULTILINE)
 

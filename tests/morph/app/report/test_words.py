@@ -88,8 +88,8 @@ def test_what_remains_is_told_in_forces_rollouts_and_held_out_errors(mismatch: D
     )
     told = " ".join(remains(replace(mismatch, unexplained=left)))
     assert f"remains with a probability of 55{SPACE}%" in told
-    assert "inertial force: 4 % at shoulder.position, 0.2 % at elbow.position." in told
-    assert "by 9.25 times the variance" in told
+    assert "inertial force: 4 % at shoulder, 0.2 % at elbow." in told
+    assert "by 3.04 times the sensors' noise" in told
     # 0.031 over 0.0011 is 28.2, and 0.052 over 0.0012 is 43.3.
     assert "are 28.2 to 43.3 times that noise" in told
     in_contact = " ".join(remains(replace(mismatch, unexplained=replace(left, contact=True))))

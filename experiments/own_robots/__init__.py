@@ -1,0 +1,1 @@
+"""Robots that nobody here wrote, through every command."""

@@ -1,0 +1,130 @@
+"""One robot through every command, in the order in which a user would give them."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, replace
+from pathlib import Path
+
+from experiments.own_robots.absurd import absurd_motion, absurd_policy
+from experiments.own_robots.applies import abilities
+from experiments.own_robots.outcome import Outcome, outcome
+from morph.arrays import JSON
+from morph.body import shelf
+from morph.body.load import load
+from morph.body.robot import Robot
+from morph.errors import MorphError
+
+COMMANDS = (
+    "inspect", "convert", "simulate", "hold", "stand", "walk", "reach", "view", "diagnose",
+    "align", "print",
+)  # fmt: skip
+"""Columns of the matrix; `walk` is `swim` of what floats without feet."""
+SECONDS = {
+    "inspect": 30.0, "convert": 60.0, "simulate": 60.0, "hold": 60.0, "stand": 60.0,
+    "walk": 300.0, "reach": 30.0, "view": 60.0, "diagnose": 240.0, "align": 120.0, "print": 180.0,
+}  # fmt: skip
+"""CPU seconds that each command may take."""
+FLOOR = "hard_floor"
+LEARNED = ("hold", "stand", "walk", "reach")
+"""Commands that learn a policy."""
+
+
+def row(name: str, path: str, out: str) -> JSON:
+    """Return what becomes of each command for one robot.
+
+    Args:
+        name: What the study calls it.
+        path: Its description.
+        out: Folder for what the commands write.
+    """
+    folder = Path(out) / name
+    robot, described = _robot(Path(path))
+    able = None if robot is None else abilities(robot)
+    applicable = {"inspect", "convert"} if able is None else able.applicable
+    swims = able is not None and able.floating and not able.feet
+    results = {}
+    for command in COMMANDS:
+        if command not in applicable:
+            continue
+        words = _words(command, path, robot, swims=swims)
+        each = outcome([*words, *described], folder=folder / command, seconds=SECONDS[command])
+        results[command] = _judged(command, each, folder, Path(path), described, robot)
+        if each.kind in ("refused", "short") and each.fix:
+            again = [*words, *described, *each.fix]
+            after = outcome(again, folder=folder / f"{command}_fixed", seconds=SECONDS[command])
+            results[command]["fixed"] = after.kind
+    return {
+        "robot": name,
+        "abilities": None if able is None else asdict(able),
+        "commands": results,
+    }
+
+
+def _robot(path: Path) -> tuple[Robot | None, list[str]]:
+    """Return a robot, and the options under which it is read: with legs as one that floats."""
+    try:
+        robot = load(path)
+    except MorphError:
+        return None, []
+    if path.suffix.lower() == ".urdf" and abilities(robot).arms >= 2:
+        loose = load(path, base="floating")
+        if abilities(loose).feet >= 2:
+            return loose, ["--base", "floating"]
+    return robot, []
+
+
+def _words(command: str, path: str, robot: Robot | None, *, swims: bool) -> list[str]:
+    told = ["--quiet", "--json"]
+    floats = robot is not None and any(joint.kind == "free" for joint in robot.joints)
+    floor = ["--world", FLOOR] if floats and not swims else []
+    written = "../simulate/run.parquet"
+    return {
+        "inspect": ["inspect", path, "--json"],
+        "convert": ["convert", path, "--to", "mjcf", "--out", "converted", "--json"],
+        "simulate": ["simulate", path, "--seconds", "4", *floor, "--out", "run.parquet", *told],
+        "hold": ["learn", "hold", "--robot", path, "--out", "learned", *told],
+        "stand": ["learn", "stand", "--robot", path, "--out", "learned", *told],
+        "walk": ["learn", "swim" if swims else "walk", "--robot", path, "--out", "learned", *told],
+        "reach": ["learn", "reach", "--robot", path, "--out", "learned", *told],
+        "view": ["view", path, "--html", "view.html", "--quiet"],
+        "diagnose": ["diagnose", path, written, *floor, "--budget", "60", "--out", "report", *told],
+        "align": ["align", _nearest(robot), path, "--task", "hold", "--out", "aligned", *told],
+        "print": [
+            *("print", path, "--printer", "mk4", "--material", "pla", "--slicer", "none"),
+            *("--out", "package", *told),
+        ],
+    }[command]
+
+
+def _nearest(robot: Robot | None) -> str:
+    """Return the body of the shelf that has as many driven joints, or nearly."""
+    count = 0 if robot is None else len(robot.driven)
+    known = {name: len(load(name).driven) for name in shelf.names()}
+    return min(known, key=lambda name: (abs(known[name] - count), name))
+
+
+def _judged(
+    command: str, each: Outcome, folder: Path, path: Path, described: list[str], robot: Robot | None
+) -> JSON:
+    """Return an outcome as data, after what cannot be has been looked for."""
+    absurd: list[str] = []
+    recording = folder / "simulate" / "run.parquet"
+    if command == "simulate" and recording.exists() and robot is not None:
+        floats = any(joint.kind == "free" for joint in robot.joints)
+        base = described[1] if described else None
+        absurd = absurd_motion(
+            path, recording, base=base, folder=None, floor=FLOOR if floats else None
+        )
+    if command in LEARNED and each.record is not None:
+        absurd = absurd_policy(each.record)
+    each = replace(each, kind="absurd", message="; ".join(absurd)) if absurd else each
+    learned = {"controls": each.record["controls"]} if command in LEARNED and each.record else {}
+    return {
+        **learned,
+        "kind": each.kind,
+        "command": each.command,
+        "message": each.message[-600:],
+        "cpu_s": round(each.seconds, 2),
+        "memory_gb": round(each.memory / 1e9, 3),
+        "fix": list(each.fix),
+    }
