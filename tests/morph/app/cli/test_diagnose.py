@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import json
 import re
+import signal
 from collections.abc import Callable
 from pathlib import Path
 
@@ -265,7 +266,35 @@ def test_a_spent_budget_still_writes_the_best_answer_and_says_so(
         ["diagnose", "pendulum", str(path), "--out", str(out), "--quiet", "--budget", "5e-7"]
     )
     assert status == 3
-    assert "budget ended first" in capsys.readouterr().out
+    assert "ended before it had tried all" in capsys.readouterr().out
     written = json.loads((out / "diagnosis.json").read_text())
     assert written["stopped_short"] is True
     assert (out / "report.html").stat().st_size > 1000
+
+
+def test_one_interrupt_writes_the_best_answer_and_two_end_at_once(
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+    swing: Lines,
+) -> None:
+    path, out = save(tmp_path / "run.csv", swing), tmp_path / "out"
+    times, told = 1, list[str]()
+
+    def interrupted(_progress: object, what: str, _share: float) -> None:
+        told.append(what)
+        if what.startswith("looking for what is missing"):
+            for _ in range(times):
+                signal.raise_signal(signal.SIGINT)
+
+    monkeypatch.setattr("morph.app.cli.diagnose._Progress.__call__", interrupted)
+    assert main(["diagnose", "pendulum", str(path), "--out", str(out)]) == 3
+    said = capsys.readouterr()
+    assert "The best answer so far will be written" in said.err
+    assert json.loads((out / "diagnosis.json").read_text())["stopped_short"] is True
+    assert not any(what.startswith("looking for changes") for what in told)
+    times, before = 2, (out / "diagnosis.json").read_text()
+    assert main(["diagnose", "pendulum", str(path), "--out", str(out)]) == 130
+    assert capsys.readouterr().err.endswith("interrupted; nothing was written\n")
+    assert (out / "diagnosis.json").read_text() == before
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
