@@ -12,6 +12,7 @@ from morph.inference.effect_selection import EffectSelection
 from morph.inference.finalist import Finalist
 from morph.inference.search import Prior
 from morph.inference.validate import Validation
+from morph.model.deadline import NEVER
 from morph.model.episodes import episode
 from morph.model.hypothesis import Hypothesis
 from morph.record.recording import Channel, Recording
@@ -49,7 +50,7 @@ def posed(folder: Path, fades: float) -> EffectSelection:
     nominal = Hypothesis(robot=robot, step=STEP, knobs=())
     bare = EffectSelection(
         nominal=nominal, episodes=runs, known=(), validation=Validation.of(runs),
-        prior=Prior(alone={}), deadline=np.inf,
+        prior=Prior(alone={}), deadline=NEVER,
     )  # fmt: skip
     return replace(bare, prior=bare.search(found(bare, nominal)).prior)
 

@@ -24,6 +24,7 @@ from morph.inference.rank import ranked
 from morph.inference.refit import Refit, seen
 from morph.inference.search import Prior
 from morph.inference.validate import Validation
+from morph.model.deadline import NEVER, Deadline
 from morph.model.episodes import Episode
 from morph.model.hypothesis import Hypothesis
 from morph.model.nuisance_parameters import knobs
@@ -69,7 +70,7 @@ def runs(nominal: Hypothesis, episodes: list[Episode]) -> list[Observed]:
 def task(nominal: Hypothesis, episodes: list[Episode]) -> EffectSelection:
     return EffectSelection(
         nominal=nominal, episodes=episodes, known=(), validation=Validation.of(episodes),
-        prior=Prior(alone={}), deadline=np.inf, by_rollouts=True, by_forces=True,
+        prior=Prior(alone={}), deadline=NEVER, by_rollouts=True, by_forces=True,
     )  # fmt: skip
 
 
@@ -136,7 +137,7 @@ def test_levels_share_rows_and_differ_in_scale(nominal: Hypothesis, runs: list[O
 
 def test_no_step_begins_after_the_deadline(nominal: Hypothesis, runs: list[Observed]) -> None:
     start = replace(nominal, effects=(CoulombFriction(joint="axle", c=0.01),))
-    found = likeliest_forces(start, start.start, runs, deadline=-1.0)
+    found = likeliest_forces(start, start.start, runs, deadline=Deadline(time=-1.0))
     assert found.point.tolist() == start.start.tolist()
 
 

@@ -14,6 +14,7 @@ from morph.inference.output_error import output_error
 from morph.inference.rank import ranked
 from morph.inference.search import Prior
 from morph.inference.validate import Validation
+from morph.model.deadline import NEVER, Deadline
 from morph.model.episodes import episode
 from morph.model.hypothesis import Hypothesis
 from morph.model.nuisance_parameters import knobs
@@ -52,7 +53,7 @@ def task(tmp_path_factory: pytest.TempPathFactory) -> EffectSelection:
     return EffectSelection(
         nominal=Hypothesis(robot=robot, step=STEP, knobs=knobs(robot, trusted)),
         episodes=runs, known=(), validation=Validation.of(runs), prior=Prior(alone={}),
-        deadline=np.inf, by_rollouts=True,
+        deadline=NEVER, by_rollouts=True,
     )  # fmt: skip
 
 
@@ -75,7 +76,7 @@ def test_rollouts_err_least_at_the_true_gain_and_friction(task: EffectSelection)
 
 def test_no_step_begins_after_the_deadline(task: EffectSelection) -> None:
     start = replace(task.nominal, effects=(CoulombFriction(joint="axle", c=0.05),))
-    found = output_error(start, start.start, task.validation, -1.0)
+    found = output_error(start, start.start, task.validation, Deadline(time=-1.0))
     assert found.point.tolist() == start.start.tolist()
 
 

@@ -17,6 +17,7 @@ from morph.inference.observed import observed
 from morph.inference.quadratic import LogPosterior, information, offset, quadratic
 from morph.inference.refit import refitted, seen
 from morph.inference.validate import Validation
+from morph.model.deadline import Deadline
 from morph.model.episodes import Episode, episode
 from morph.model.hypothesis import Hypothesis
 from morph.model.nuisance_parameters import knobs
@@ -294,5 +295,5 @@ def test_without_an_elastic_drive_its_motor_turns_with_the_joint(
 
 
 def test_no_step_begins_after_the_deadline(nominal: Hypothesis, run: Episode) -> None:
-    found = refitted(nominal, nominal.start, [run], deadline=-1.0)
+    found = refitted(nominal, nominal.start, [run], deadline=Deadline(time=-1.0))
     assert found.point.tolist() == nominal.start.tolist()

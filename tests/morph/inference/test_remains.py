@@ -21,6 +21,7 @@ from morph.inference.remains import (
     Remains,
     by_step,
 )
+from morph.model.deadline import Deadline
 
 
 def chance(*, share: float, nats: float) -> float:
@@ -163,8 +164,15 @@ def test_half_the_step_is_tried_once_where_what_remains_may_be_of_it(
     monkeypatch.setattr(module, "stretches", lambda episodes, most: episodes)
     monkeypatch.setattr(module, "by_step", lambda nominal, episodes, runs: doubtful)
     ready, result = module._ranked(
-        None, (), held_out=(), whole={}, vary=None, known=(), deadline=0.0, say=lambda *told: None
-    )
+        None,
+        (),
+        held_out=(),
+        whole={},
+        vary=None,
+        known=(),
+        deadline=Deadline(time=0.0),
+        say=lambda *told: None,
+    )  # fmt: skip
     assert tried == steps
     # The second search goes on from the first one's set, and is not asked again.
     (start, asked), *others = starts

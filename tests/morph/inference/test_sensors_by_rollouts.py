@@ -15,6 +15,7 @@ from morph.inference.effect_selection import EffectSelection
 from morph.inference.finalist import Finalist, labels
 from morph.inference.search import Prior
 from morph.inference.validate import Validation
+from morph.model.deadline import NEVER
 from morph.model.episodes import episode
 from morph.model.hypothesis import Hypothesis
 from morph.physics.joint.viscous_friction import ViscousFriction
@@ -63,7 +64,7 @@ def found(folder: Path, late: float, dry: float) -> tuple[Finalist, Finalist]:
         known=(),
         validation=Validation.of(runs),
         prior=Prior(alone={}),
-        deadline=math.inf,
+        deadline=NEVER,
     )
     viscous = replace(task.nominal, effects=(ViscousFriction(joint="axle", b=FRICTION),))
     base = to_rollouts(task, task.refitted(viscous, viscous.start))

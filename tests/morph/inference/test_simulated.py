@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 from pathlib import Path
 
@@ -16,6 +15,7 @@ from morph.inference.finalist import Finalist
 from morph.inference.search import Explanation, Prior
 from morph.inference.simulated import likeliest_limit, scaled
 from morph.inference.validate import MATERIAL, Validation
+from morph.model.deadline import NEVER
 from morph.model.episodes import Episode, episode
 from morph.model.hypothesis import Hypothesis
 from morph.physics.actuator.limit import LimitEffect
@@ -75,7 +75,7 @@ def task(servo: Robot, runs: list[Episode]) -> EffectSelection:
         known=(),
         validation=Validation.of(runs),
         prior=Prior(alone={}),
-        deadline=math.inf,
+        deadline=NEVER,
         by_rollouts=True,
     )
     return replace(bare, prior=bare.search(bare.refitted(bare.nominal, bare.nominal.start)).prior)
