@@ -46,6 +46,9 @@ MOST_CHANGES = 2
 """Most changes that are looked for."""
 ONE_SIDE, OTHER_SIDE = "on one side of a likely change, ", "on its other side, "
 """Of which runs progress is told."""
+LEAST_SIDE = 60.0
+"""Seconds that the runs on one side of a change may always take; they may take as long as all that
+went before."""
 
 
 @one_thread()
@@ -109,8 +112,9 @@ def diagnose(
         _ranked, robot, held_out=held_out, whole=whole, vary=vary, known=known, deadline=deadline,
         say=say,
     )  # fmt: skip
-    half = deadline.halfway(started)
-    (ready, ranking), changes = _since_changes(rank, recordings, held_out, known, half, say)
+    (ready, ranking), changes = _since_changes(
+        rank, recordings, held_out, known, started, deadline, say
+    )
     scored = scored_segments(ready.aside, horizon)
     say("scoring the held-out runs", 0.9)
     return conclude(
@@ -147,6 +151,7 @@ def _since_changes(
     recordings: Sequence[Recording],
     held_out: Sequence[Recording],
     known: Sequence[Effect],
+    started: float,
     deadline: Deadline,
     say: Progress,
 ) -> tuple[tuple[Prepared, Ranking], list[Change]]:
@@ -157,12 +162,13 @@ def _since_changes(
         recordings: All but those that are held out.
         held_out: Those.
         known: Effects whose fixed parameters are known.
-        deadline: After which no change is looked for: what comes after one takes as long as all
-            before it.
+        started: When the diagnosis began, by the monotonic clock, s.
+        deadline: By which all is done; no change is looked for after half of the time until then,
+            as what comes after one takes as long as all before it.
         say: Told what is being done and the share of the work behind.
     """
-    current, changes = rank(recordings), list[Change]()
-    while len(changes) < MOST_CHANGES and not current[1].stopped and not deadline.passed:
+    current, changes, half = rank(recordings), list[Change](), deadline.halfway(started)
+    while len(changes) < MOST_CHANGES and not current[1].stopped and not half.passed:
         say("looking for changes", 0.88)
         ready, ranking = current
         aside = () if held_out else ready.aside
@@ -171,14 +177,17 @@ def _since_changes(
             # A push in a run that was set aside is fitted, and another run is set aside.
             again = kept is not recordings
             return (rank(kept, of="with a push, ") if again else current), changes
+        most = max(LEAST_SIDE, time.monotonic() - started)
+        side = functools.partial(rank, deadline=deadline.within(most))
         try:
-            proven = _proven(change, kept, rest, ranking, rank)
+            proven = _proven(change, kept, rest, ranking, side)
         except DiagnosisError:
             # One side alone moves too little, or too short a time, to be diagnosed.
             break
         if proven is None:
             break
-        change, recordings, current = proven
+        change, recordings, (ready, ranking) = proven
+        current = ready, replace(ranking, stopped=deadline.passed)
         changes.append(change)
     return current, changes
 

@@ -116,7 +116,11 @@ def ranked(
     measured = _told(nominal.robot) and not validation.constrained
     most = 0.0 if tossed else FAR if measured else FARTHEST
     far = missing(own.refit.runs) >= most
-    result = _searched(_by_rollouts(task, own) if far else _begun(task, own, start), progress)
+    begun = None if far and (tossed or start is None) else _begun(task, own, start)
+    if far and begun and begun.best.effects:
+        # What was found in another step explains the runs well enough to go on by evidence.
+        far = missing(begun.best.refit.runs) >= NEAR
+    result = _searched(begun if begun and not far else _by_rollouts(task, own), progress)
     if not far and coarse(result.best.refit.runs):
         return _ranking(result, result.none, result.best)
     if not far:

@@ -31,6 +31,10 @@ class Deadline:
         """Return one that is earlier by some seconds."""
         return replace(self, time=self.time - seconds)
 
+    def within(self, seconds: float) -> Deadline:
+        """Return one that is at most some seconds from now."""
+        return replace(self, time=min(self.time, time.monotonic() + seconds))
+
     def halfway(self, since: float | None = None) -> Deadline:
         """Return one in the middle of the time since some time, by default now, until this one."""
         return replace(self, time=0.5 * (self.time + (since or time.monotonic())))
