@@ -12,6 +12,7 @@ import pytest
 
 from morph.errors import DiagnosisError
 from morph.inference.changed import confirmed, decided, differs, renamed
+from morph.model.deadline import NEVER
 from morph.model.finding import Change, Estimate
 from morph.physics.body.external_push import ExternalPush
 from morph.physics.body.payload import Payload
@@ -93,6 +94,14 @@ def test_a_law_alters_only_where_intervals_of_both_sides_are_disjoint(
     assert differs(change, sides) == told
 
 
+@dataclass(frozen=True, kw_only=True)
+class Ranked:
+    """What explains some runs, in the place of a ranking."""
+
+    of: tuple[str, ...]
+    stopped: bool = False
+
+
 @pytest.mark.parametrize(("named", "evidence", "since", "told"), [
     (("after",), False, True, ("after",)),
     # Too weak to be found in the runs since then: the others follow.
@@ -110,9 +119,9 @@ def test_what_is_said_follows_the_side_that_explains_a_change(
     module = importlib.import_module("morph.inference.diagnose")
     answers = iter([(begun, ("after",), ("before",)), (None, (), ())])
 
-    def rank(recordings: Any) -> Any:
+    def rank(recordings: Any, **_: Any) -> Any:
         ready = SimpleNamespace(train=(), aside=(), of=tuple(recordings))
-        return ready, SimpleNamespace(stopped=False, of=tuple(recordings))
+        return ready, Ranked(of=tuple(recordings))
 
     def changed(_: Any, recordings: Any, *rest: Any) -> Any:
         change, kept, others = next(answers)
@@ -123,7 +132,7 @@ def test_what_is_said_follows_the_side_that_explains_a_change(
     monkeypatch.setattr(module, "decided", lambda whole, side: evidence)
     monkeypatch.setattr(module, "explained", lambda side: False)
     runs: Any = ("before", "after")
-    (ready, _), changes = module._since_changes(rank, runs, (), (), np.inf, lambda *_: None)
+    (ready, _), changes = module._since_changes(rank, runs, (), (), 0.0, NEVER, lambda *_: None)
     assert ready.of == told
     assert [each.since for each in changes] == ([] if since is None else [since])
 
@@ -136,13 +145,13 @@ def test_a_side_that_cannot_be_diagnosed_alone_tells_of_no_change(
     module = importlib.import_module("morph.inference.diagnose")
     monkeypatch.setattr(module, "changed", lambda *_: (change, ("after",), ("before",)))
 
-    def rank(recordings: Any) -> Any:
+    def rank(recordings: Any, **_: Any) -> Any:
         if recordings == ("after",):
             raise DiagnosisError("nothing moves", where="run", fix="record motion")
-        return SimpleNamespace(train=(), aside=(), of=recordings), SimpleNamespace(stopped=False)
+        return SimpleNamespace(train=(), aside=(), of=recordings), Ranked(of=recordings)
 
     runs: Any = ("before", "after")
-    (ready, _), changes = module._since_changes(rank, runs, (), (), np.inf, lambda *_: None)
+    (ready, _), changes = module._since_changes(rank, runs, (), (), 0.0, NEVER, lambda *_: None)
     assert (ready.of, changes) == (runs, [])
 
 
@@ -188,10 +197,10 @@ def test_another_law_is_looked_for_on_both_sides_of_a_change(
     monkeypatch.setattr(module, "explained", lambda side: side == "after")
     monkeypatch.setattr(module, "renamed", lambda change, *sides: sides)
     kept, rest = (["after"], ["before"]) if stays else (["before"], ["after"])
-    found = module._proven(change, kept, rest, None, lambda runs: (None, runs[0]))
+    found = module._proven(change, kept, rest, None, lambda runs, of="": (None, runs[0]))
     assert found == (("after", "before"), kept, (None, kept[0]))
     monkeypatch.setattr(module, "explained", lambda side: False)
-    assert module._proven(change, kept, rest, None, lambda runs: (None, runs[0])) is None
+    assert module._proven(change, kept, rest, None, lambda runs, of="": (None, runs[0])) is None
 
 
 @pytest.mark.parametrize(("alone", "beside", "explains"), [
@@ -246,9 +255,9 @@ def test_a_law_that_alters_is_told_where_both_sides_differ(
         module, "differs", lambda change, sides: sides == ("after", "before") and there
     )
     kept, rest = ["after"], ["before"]
-    found = module._proven(change, kept, rest, None, lambda runs: (None, runs[0]))
+    found = module._proven(change, kept, rest, None, lambda runs, of="": (None, runs[0]))
     assert found == ((change, kept, (None, "after")) if there else None)
-    assert module._proven(change, kept, [], None, lambda runs: (None, runs[0])) is None
+    assert module._proven(change, kept, [], None, lambda runs, of="": (None, runs[0])) is None
 
 
 @pytest.mark.parametrize(("share", "looked"), [(0.1, True), (0.5, False)])

@@ -144,6 +144,25 @@ def test_a_ranking_goes_on_from_a_set_of_another_step(tmp_path: Path) -> None:
     assert begun(wrong) is first.none
 
 
+def test_what_another_step_explained_is_not_searched_by_rollouts_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    task = posed(tmp_path, 0.0)
+    first = ranked(task.nominal, task.episodes, coarse=lambda runs: True)
+
+    def again(*_: object) -> None:
+        raise AssertionError
+
+    # However much the description alone lacks.
+    monkeypatch.setattr(rank, "FAR", 0.0)
+    monkeypatch.setattr(rank, "FARTHEST", 0.0)
+    monkeypatch.setattr(rank, "_by_rollouts", again)
+    found = ranked(task.nominal, task.episodes, start=first.best).best
+    assert labels(found.effects) == labels(first.best.effects)
+    with pytest.raises(AssertionError):
+        ranked(task.nominal, task.episodes)
+
+
 def test_dry_friction_is_no_hysteresis_of_less_than_readings_tell(tmp_path: Path) -> None:
     task = posed(tmp_path, 0.0)
     (found,) = ranked(task.nominal, task.episodes).best.effects
