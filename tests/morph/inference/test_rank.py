@@ -117,7 +117,9 @@ def test_a_search_that_stops_early_is_about_what_it_found(
     assert bool(labels) == (refits > 1)
 
 
-def test_a_ranking_goes_on_from_a_set_of_another_step(tmp_path: Path) -> None:
+def test_a_ranking_goes_on_from_a_set_of_another_step(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     task = posed(tmp_path, 0.0)
     asked: list[float] = []
 
@@ -136,28 +138,21 @@ def test_a_ranking_goes_on_from_a_set_of_another_step(tmp_path: Path) -> None:
         refit = replace(first.best.refit, hypothesis=hypothesis, point=hypothesis.start)
         return rank._begun(task, first.none, replace(first.best, refit=refit)).best
 
-    (found,) = begun(friction).effects
-    assert found.label == "coulomb_friction@axle"
+    (law,) = begun(friction).effects
+    assert law.label == "coulomb_friction@axle"
     # A law that is not needed in the other step is left out before the search goes on.
     assert labels(begun(friction, wrong).effects) == {"coulomb_friction@axle"}
     # Nothing stays of a set that explains nothing.
     assert begun(wrong) is first.none
 
-
-def test_what_another_step_explained_is_not_searched_by_rollouts_again(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    task = posed(tmp_path, 0.0)
-    first = ranked(task.nominal, task.episodes, coarse=lambda runs: True)
-
     def again(*_: object) -> None:
         raise AssertionError
 
-    # However much the description alone lacks.
-    monkeypatch.setattr(rank, "FAR", 0.0)
-    monkeypatch.setattr(rank, "FARTHEST", 0.0)
+    # However much the description alone lacks, it is not searched by rollouts again.
+    for name in ("FAR", "FARTHEST"):
+        monkeypatch.setattr(rank, name, 0.0)
     monkeypatch.setattr(rank, "_by_rollouts", again)
-    found = ranked(task.nominal, task.episodes, start=first.best).best
+    found = ranked(task.nominal, task.episodes, start=first.best, coarse=lambda runs: True).best
     assert labels(found.effects) == labels(first.best.effects)
     with pytest.raises(AssertionError):
         ranked(task.nominal, task.episodes)
