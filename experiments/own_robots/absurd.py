@@ -18,7 +18,7 @@ from morph.sim.start import started
 
 RISES, SINKS, GAINS = 1.0, 0.02, 0.02
 """Sizes by which the base of a robot without power rises, by which it is sunk into what it touches,
-and share of the greatest energy that it gains: what is more is absurd."""
+and share of the range of its kinetic or potential energy that it gains: more is absurd."""
 SETTLED = 0.2
 """Seconds after the start in which parts that overlapped there come apart."""
 
@@ -33,7 +33,7 @@ def absurd_motion(
     (run,) = load_recordings(recording)
     states = _states(robot, model, run.channels)
     data, size = mujoco.MjData(model), max(float(model.stat.extent), 1e-6)
-    if not all(np.isfinite(part).all() for part in states[1:]):
+    if not all(np.isfinite(part).all() for part in states[1:]) or not len(states[0]):
         return ["a state is not finite"]
     heights, depths, energies = [], [], []
     model.opt.enableflags |= mujoco.mjtEnableBit.mjENBL_ENERGY
@@ -42,15 +42,17 @@ def absurd_motion(
         mujoco.mj_forward(model, data)
         heights.append(float(data.subtree_com[0, 2]))
         depths.append(-min((float(each.dist) for each in data.contact), default=0.0))
-        energies.append(float(data.energy.sum()))
+        energies.append(data.energy.copy())
     found, later = [], states[0] > SETTLED
     passive = not any(each.kind == "position" for each in robot.actuators)
     if passive and heights and max(heights) - heights[0] > RISES * size:
         found.append(f"it rises by {max(heights) - heights[0]:.3g} m without power")
     if later.any() and max(np.array(depths)[later]) > SINKS * size:
         found.append(f"it is {max(np.array(depths)[later]):.3g} m deep in what it touches")
-    gained = max(energies) - energies[0] if energies else 0.0
-    if passive and gained > GAINS * max(np.ptp(energies), 1e-6):
+    energy = np.array(energies).reshape(-1, 2)
+    whole, scale = energy.sum(axis=1), max(float(np.ptp(energy, axis=0).max()), 1e-9)
+    gained = float(whole.max() - whole[0])
+    if passive and gained > GAINS * scale:
         found.append(f"it gains {gained:.3g} J without power")
     return found
 

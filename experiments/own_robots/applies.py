@@ -49,7 +49,7 @@ class Abilities:
             able |= {"hold", "diagnose", "align"}
         if self.feet >= 2 and self.carries:
             able |= {"stand", "walk"}
-        if self.floating and not self.feet and self.driven >= 2:
+        if self.floating and self.feet < 2 and self.driven >= 2:
             able |= {"walk"}
         if self.arms:
             able |= {"reach"}

@@ -41,7 +41,7 @@ def row(name: str, path: str, out: str) -> JSON:
     robot, described = _robot(Path(path))
     able = None if robot is None else abilities(robot)
     applicable = {"inspect", "convert"} if able is None else able.applicable
-    swims = able is not None and able.floating and not able.feet
+    swims = able is not None and able.floating and able.feet < 2
     results = {}
     for command in COMMANDS:
         if command not in applicable:

@@ -97,7 +97,7 @@ def outcome(words: Sequence[str], *, folder: Path, seconds: float) -> Outcome:
         record = None
     return Outcome(
         command=shlex.join(["morph", *words]),
-        kind=_kind(status, message, took, seconds),
+        kind=_kind(status, message, record, took, seconds),
         seconds=took,
         memory=1024.0 * after.ru_maxrss,
         message=message[-2 * LONGEST :],
@@ -105,12 +105,13 @@ def outcome(words: Sequence[str], *, folder: Path, seconds: float) -> Outcome:
     )
 
 
-def _kind(status: int | None, message: str, took: float, seconds: float) -> str:
+def _kind(status: int | None, message: str, record: Any, took: float, seconds: float) -> str:
     if status is None or (status < 0 and took >= seconds):
         return "too long"
     if "Traceback (most recent call last)" in message or status not in FINAL:
         return "crash"
     refusal = REFUSAL.search(message)
-    if status == 2 and (refusal is None or len(refusal[0]) > LONGEST):
+    findings = isinstance(record, dict) and record.get("verdict") == "refused"
+    if status == 2 and not findings and (refusal is None or len(refusal[0]) > LONGEST):
         return "bad message"
     return FINAL[status]
