@@ -10,6 +10,7 @@ import mujoco
 import numpy as np
 
 from morph.body.finding import DescriptionFinding
+from morph.body.limbs import Limbs, limbs_of
 from morph.body.load import load
 from morph.body.quiet import quiet
 from morph.body.refusal import about_file
@@ -37,6 +38,8 @@ class Inspection:
     """Degrees of freedom."""
     reach: float = 0.0
     """Furthest that any part is from the base at home, m."""
+    limbs: Limbs | None = None
+    """Its limbs and their mirror images; None if there is no robot."""
 
     @property
     def verdict(self) -> Literal["ok", "repaired", "refused"]:
@@ -61,6 +64,8 @@ class Inspection:
             "actuators": [] if robot is None else [asdict(part) for part in robot.actuators],
             "sensors": [] if robot is None else [asdict(part) for part in robot.sensors],
             "closures": [] if robot is None else [asdict(part) for part in robot.loops],
+            "limbs": [] if self.limbs is None else [asdict(limb) for limb in self.limbs.limbs],
+            "twins": {} if self.limbs is None else self.limbs.twins,
             "findings": [finding.as_json() for finding in self.findings],
             "verdict": self.verdict,
         }
@@ -107,6 +112,7 @@ def inspect_robot(
         com=(x, y, z),
         dof=int(model.nv),
         reach=_reach(model, data),
+        limbs=limbs_of(result, model),
     )
 
 

@@ -8,6 +8,7 @@ import mujoco
 import numpy as np
 
 from morph.arrays import Array
+from morph.body.limbs import torso_of
 from morph.body.robot import Robot
 from morph.errors import SearchError
 from morph.policy_transfer.body import Body, body
@@ -18,7 +19,6 @@ from morph.task.push import Push
 from morph.task.stand import SPREAD, stand
 from morph.task.start import Start
 from morph.task.task import Task
-from morph.task.torso import torso_of
 
 PERIOD = 0.02
 """How long a command is held, s: that of the chains."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from morph.body.limbs import torso_of
 from morph.body.robot import Robot
 from morph.task.chain import posture, slides_of, stepping, ways
 from morph.task.quantity import AngleSum, Commands, JointPositions, JointSpeeds
@@ -9,7 +10,6 @@ from morph.task.stand import stand
 from morph.task.start import Start
 from morph.task.task import Task
 from morph.task.term import Goal, Term
-from morph.task.torso import torso_of
 
 LEAN = 0.17
 """Farthest that a link may lean, rad: ten degrees."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from morph.body.limbs import torso_of
 from morph.body.robot import Robot
 from morph.errors import TaskError
 from morph.task.arm import Arm
@@ -11,7 +12,6 @@ from morph.task.quantity import JointPositions, JointSpeeds
 from morph.task.start import Start
 from morph.task.task import Task
 from morph.task.term import Goal, Term
-from morph.task.torso import torso_of
 from morph.task.travel import effort_terms
 
 WITHIN = 0.03

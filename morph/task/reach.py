@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from morph.arrays import Array
+from morph.body.limbs import torso_of
 from morph.body.robot import Robot
 from morph.errors import TaskError
 from morph.task.arm import Arm
@@ -12,7 +13,6 @@ from morph.task.quantity import JointSpeeds, Point
 from morph.task.start import Start
 from morph.task.task import Task
 from morph.task.term import Goal, Term
-from morph.task.torso import torso_of
 
 WITHIN = 0.01
 """How near the end must come, m."""

@@ -9,28 +9,13 @@ import mujoco
 import numpy as np
 
 from morph.arrays import Array
+from morph.body.limbs import limbs_of, torso_of
 from morph.body.robot import Robot
 from morph.body.spec import spec_of
 from morph.errors import TaskError
 
-FREEDOMS = {"free": 6, "ball": 3, "slide": 1, "hinge": 1}
-"""How many freedoms a joint of each kind has."""
-
 BENT = 0.3
 """How far from its limits each joint of a stance is kept, rad, where there is room."""
-
-
-def torso_of(robot: Robot) -> str | None:
-    """Return the link that moves freely in space or in a plane; None if there is no such link.
-
-    A rider on a board has two such links: its own is the last.
-    """
-    freedoms: dict[str, int] = {}
-    for joint in robot.joints:
-        freedoms[joint.link] = freedoms.get(joint.link, 0) + FREEDOMS[joint.kind]
-    held = {joint.link for joint in robot.joints if joint.name in robot.driven}
-    loose = [link for link, count in freedoms.items() if count >= 3 and link not in held]
-    return loose[-1] if loose else None
 
 
 def torso(robot: Robot, task: str) -> str:
@@ -65,8 +50,8 @@ def stance(robot: Robot) -> dict[str, float]:
     model: Any = spec_of(robot).compile()
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
-    feet = _feet(model, data)
-    if not len(feet):
+    feet = [model.body(name).id for name in feet_of(robot)]
+    if not feet:
         return {}
     flat = data.xmat[feet].copy()
     low = data.xpos[feet, 2].copy()
@@ -109,30 +94,12 @@ def stance(robot: Robot) -> dict[str, float]:
 
 def feet_of(robot: Robot) -> tuple[str, ...]:
     """Return the links at the end of a leg, those that are lowest as the body is described."""
-    model: Any = spec_of(robot).compile()
-    data = mujoco.MjData(model)
-    mujoco.mj_kinematics(model, data)
-    return tuple(str(model.body(int(each)).name) for each in _feet(model, data))
+    return tuple(limb.end for limb in limbs_of(robot).feet)
 
 
 def legs_of(robot: Robot) -> set[str]:
-    """Return the joints between the torso and the feet."""
-    parents = {link.name: link.parent for link in robot.links}
-    links: set[str] = set()
-    for foot in feet_of(robot):
-        link = foot
-        while link in parents and link != torso_of(robot):
-            links.add(link)
-            link = parents[link]
-    return {joint.name for joint in robot.joints if joint.link in links}
-
-
-def _feet(model: Any, data: Any) -> Array:
-    """Return MuJoCo's numbers of the links at the end of a leg whose shapes are lowest."""
-    parents = set(model.body_parentid.tolist())
-    ends = [body for body in range(1, model.nbody) if body not in parents]
-    lowest = min((data.xipos[body, 2] for body in ends), default=0.0)
-    return np.array([b for b in ends if data.xipos[b, 2] < lowest + 0.05], dtype=int)
+    """Return the joints between where the body branches and the feet."""
+    return {joint for limb in limbs_of(robot).feet for joint in limb.joints}
 
 
 def _angles_of(robot: Robot, link: str, model: Any) -> list[int]:

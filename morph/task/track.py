@@ -9,6 +9,7 @@ from typing import ClassVar
 import numpy as np
 
 from morph.arrays import Array
+from morph.body.limbs import torso_of
 from morph.body.robot import Robot
 from morph.task.moved import Moved
 from morph.task.quantity import Point, Quantity
@@ -16,7 +17,7 @@ from morph.task.reach import reach
 from morph.task.swim import swim
 from morph.task.task import Task
 from morph.task.term import Goal, Term
-from morph.task.torso import origin_of, torso_of
+from morph.task.torso import origin_of
 
 RADIUS, TURN = 0.03, 4.0
 """Radius, m, and period, s, of the circle that the end of an arm follows."""

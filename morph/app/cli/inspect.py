@@ -13,6 +13,7 @@ from morph.app.cli.console import TIE, harmless, paragraph, say, table, width
 if TYPE_CHECKING:
     from morph.body.finding import DescriptionFinding
     from morph.body.inspect import Inspection
+    from morph.body.limbs import Limbs
     from morph.body.robot import Actuator, Joint, Robot
 
 OK, UNUSABLE = 0, 2
@@ -69,8 +70,8 @@ def _show(result: Inspection) -> None:
         for part in (_links, _joints, _others, _chains):
             head, *rows = part(result.robot, columns) or [""]
             lines += [(head, "bold"), *_plain(rows), ("", "")] if head else []
-        if sensors := _sensors(result.robot, columns):
-            lines += _plain([*sensors, ""])
+        if rest := [*_limbs(result.limbs, columns), *_sensors(result.robot, columns)]:
+            lines += _plain([*rest, ""])
     for group in _grouped(result.findings):
         lines += _group(group, columns)
     say([*lines, *_plain(paragraph(_closing(result), 2, columns))])
@@ -200,6 +201,22 @@ def _chains(robot: Robot, columns: int | None) -> list[str]:
         for loop in robot.loops
     ]
     return table(("closed chain", "link", "is", "to"), rows, columns=columns) if rows else []
+
+
+def _limbs(result: Limbs | None, columns: int | None) -> list[str]:
+    """Return the limbs, those of as many joints together, and how many joints mirror others."""
+    if result is None or not result.limbs:
+        return []
+    alike: dict[tuple[bool, int], list[str]] = {}
+    for limb in result.limbs:
+        alike.setdefault((limb.foot, len(limb.joints)), []).append(_name(limb.end))
+    parts = []
+    for (foot, count), ends in alike.items():
+        counted = _many(len(ends), *(("foot", "feet") if foot else ("limb", "limbs")))
+        parts.append(f"{counted} of {_many(count, 'joint', 'joints')}: {', '.join(ends)}")
+    if result.twins:
+        parts.append(f"{_many(len(result.twins), 'joint has', 'joints have')} mirror images")
+    return paragraph("; ".join(parts), 2, columns)
 
 
 def _sensors(robot: Robot, columns: int | None) -> list[str]:

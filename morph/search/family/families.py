@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
+from morph.body.limbs import torso_of
 from morph.physics.contact.presets import SURFACES
 from morph.search.family.family import Family
 from morph.search.family.follow import follow
@@ -15,7 +16,7 @@ from morph.search.family.posture_policies import hold
 from morph.search.family.stride import stride
 from morph.task.arm import Arm
 from morph.task.task import Task
-from morph.task.torso import legs_of, torso_of
+from morph.task.torso import legs_of
 from morph.task.track import Course
 
 FLOORS = {each.name for each in SURFACES}

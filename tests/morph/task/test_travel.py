@@ -6,6 +6,7 @@ import mujoco
 import numpy as np
 import pytest
 
+from morph.body.limbs import torso_of
 from morph.body.load import load
 from morph.body.spec import spec_of
 from morph.errors import TaskError
@@ -15,7 +16,7 @@ from morph.task.stand import stand
 from morph.task.swim import swim
 from morph.task.task import Task
 from morph.task.tasks import task, tasks_of
-from morph.task.torso import stance, torso_of
+from morph.task.torso import stance
 from morph.task.walk import walk
 
 TORSOS = {
