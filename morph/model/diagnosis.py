@@ -150,7 +150,8 @@ class Diagnosis(Tabular):
 
     def __repr__(self) -> str:
         named = [f"{each.effect.label} {each.probability:.2f}" for each in self.findings]
-        return f"Diagnosis({', '.join([f'{self.robot}: {self.verdict}', *named])})"
+        short = ["stopped short"] if self.stopped_short else []
+        return f"Diagnosis({', '.join([f'{self.robot}: {self.verdict}', *named, *short])})"
 
     def rows(self) -> list[JSON]:
         """Return one row for each parameter of each finding, with its 90 % interval."""

@@ -46,7 +46,10 @@ def run_view(options: ViewCommand) -> int:
     if options.json:
         _say(view=shown.name, views=[shown.name], html=str(path), bytes=size)
     elif not options.quiet:
-        sys.stderr.write(f"{path} is written: {size / 1e6:.1f} MB\n")
+        sys.stderr.write(
+            f"{path} is written: {size / 1e6:.1f} MB, the view {shown.name} as it opens; without "
+            "--html the browser shows all runs and views\n"
+        )
     return DONE
 
 
