@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.ndimage import binary_dilation, median_filter
 
 from morph.arrays import Array, Integers, Mask
 from morph.body.robot import Robot
@@ -25,6 +26,11 @@ of its own: it would be 1 of one without noise."""
 APART = 4.0
 """Mean squared difference from the position's rate, over that which the noise of both explains,
 from which the sensor errs by more than its noise."""
+CORNER = 16.0
+"""Second difference of velocities, beyond those about it and over their noise, at which a force has
+jumped: the step of a simulation in which that was interpolates a velocity wrongly."""
+ABOUT = 7
+"""Second differences of which the median is that of a smooth motion."""
 QUIETEST = 1e-4
 """rad/s or m/s: least noise that a sensor is credited with."""
 
@@ -61,7 +67,7 @@ class JointRates:
         reading, valid = (np.zeros((len(time), len(dofs)), dtype=kind) for kind in (float, bool))
         for at, track in enumerate(tracks):
             there = np.searchsorted(time, track.time)
-            reading[there, at], valid[there, at] = track.value, True
+            reading[there, at], valid[there, at] = track.value, ~_corners(track.value, noises[at])
         return cls(
             dofs=np.array(dofs, dtype=int), time=time, reading=reading, valid=valid,
             noise=np.array(noises),
@@ -117,6 +123,14 @@ def with_own_rates(recording: Recording, robot: Robot) -> Recording:
             )
         )
     return replace(recording, channels=channels, notes=(*recording.notes, *notes))
+
+
+def _corners(velocity: Array, sigma: float) -> Mask:
+    """Return at which readings, and beside which, a velocity turns at once, shape (samples,)."""
+    second = np.zeros_like(velocity)
+    second[1:-1] = np.diff(velocity, n=2)
+    sharp = np.abs(second - median_filter(second, ABOUT)) > CORNER * sigma
+    return np.asarray(binary_dilation(sharp))
 
 
 def _joints(robot: Robot) -> dict[str, int]:

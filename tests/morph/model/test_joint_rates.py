@@ -163,3 +163,17 @@ def test_a_sensor_beside_a_guess_is_read(robot: Robot) -> None:
     guessed = {**run.channels, "hinge.position": replace(run.channels["hinge.position"], guess=0.1)}
     kept = with_own_rates(replace(run, channels=guessed), robot)
     assert JointRates.of(kept, robot, 0.0, 12.0).noise == pytest.approx([SENSOR], rel=0.15)
+
+
+def test_a_velocity_is_not_read_where_it_turns_at_once(robot: Robot) -> None:
+    time = 0.01 * np.arange(500)
+    rng = np.random.default_rng(3)
+    # A force jumps at 2.5 s; the swing's own second differences are 11 times the noise.
+    speed = 3.0 * np.sin(6.0 * time) + 20.0 * np.maximum(time - 2.5, 0.0)
+    channels = {
+        "hinge.velocity": Channel(time=time, value=speed + 1e-3 * rng.standard_normal(500)),
+    }
+    seen = JointRates.of(Recording(name="run", channels=channels), robot, 0.0, 5.0)
+    lost = np.flatnonzero(~seen.valid[:, 0])
+    # Second differences have 2.4 times the noise, of which 16 times is seven.
+    assert lost.tolist() == [249, 250, 251]
