@@ -261,11 +261,11 @@ LIKELY = 0.1
 @contextmanager
 def _interruptible() -> Iterator[threading.Event]:
     """Lend an event that Ctrl-C sets; a second Ctrl-C ends the program, as ever."""
-    interrupt = threading.Event()
-    if threading.current_thread() is not threading.main_thread():
+    interrupt, before = threading.Event(), signal.getsignal(signal.SIGINT)
+    # Jobs in the background ignore it, and threads cannot take it.
+    if before is signal.SIG_IGN or threading.current_thread() is not threading.main_thread():
         yield interrupt
         return
-    before = signal.getsignal(signal.SIGINT)
 
     def end(_number: int, _frame: object) -> None:
         interrupt.set()
