@@ -14,8 +14,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-COMMAND = "from morph.app.cli.main import entry; entry()"
-"""The command `morph` of this very Python."""
+from experiments.shelf import COMMAND
+
 MEMORY = 12 << 30
 """Bytes of address space that a command may take."""
 REFUSAL = re.compile(r"error: (?P<where>.+?): (?P<what>.+)\n {2}fix: (?P<fix>.+)\n?\Z", re.DOTALL)

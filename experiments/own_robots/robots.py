@@ -9,22 +9,8 @@ from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
 
+from experiments.bodies import PUBLISHED
 from experiments.needs import DataMissing, need_packaged, need_robots
-
-PUBLISHED = (
-    "aqua/aqua_description/urdf/aqua.urdf",
-    "erd_bolt/robots/bolt.urdf",
-    "erd_simple_humanoid/urdf/simple_humanoid.urdf",
-    "open_duck_mini_v2/mjcf/open_duck_mini_v2.xml",
-    "poppy_humanoid/robots/Poppy_Humanoid.URDF",
-    "poppy_torso/robots/Poppy_Torso.URDF",
-    "sigmaban/robot.urdf",
-    "solo/resources/solo8.urdf",
-    "solo/resources/solo12.urdf",
-    "urma_hexapod/hexapod.xml",
-    "urma_sea_snake/sea_snake.xml",
-)
-"""Below the folder of published robots."""
 
 PACKAGED = (
     "a1_description/urdf/a1.urdf",

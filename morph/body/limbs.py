@@ -23,7 +23,7 @@ PARALLEL = 0.97
 LOW = 0.05
 """Robot heights above its lowest point in which the end of a limb is a foot."""
 SYMMETRIC = 0.5
-"""Least share of the joints that have a twin, or are their own, of a robot with sides."""
+"""Share of the joints that have a twin, or are their own, above which a robot has sides."""
 MOST_JOINTS, MOST_ROWS = 300, 24
 """Joints of a robot above which no symmetry is looked for, and limbs that propose its plane."""
 ACROSS = np.array([0.0, 1.0, 0.0])
@@ -52,7 +52,8 @@ class Limbs:
     limbs: tuple[Limb, ...]
     """Each limb, front to rear, left before right."""
     normal: Array | None
-    """From right to left, of length 1, shape (3,); None of a robot without sides."""
+    """Of length 1, shape (3,), along y or, at right angles to it, x; from right to left of a robot
+    that faces x or -y. None of a robot without sides."""
     twins: dict[str, str]
     """By joint its mirror image, its own where it lies on the plane; others have none."""
 
@@ -84,7 +85,8 @@ def limbs_of(robot: Robot, model: Any = None) -> Limbs:
     """
     model = spec_of(robot).compile() if model is None else model
     data = mujoco.MjData(model)
-    mujoco.mj_forward(model, data)
+    mujoco.mj_kinematics(model, data)
+    mujoco.mj_comPos(model, data)
     tree = _Tree(model, data)
     rows = tree.rows()
     normal, twins = _symmetry(tree, rows)
@@ -106,7 +108,7 @@ def limbs_of(robot: Robot, model: Any = None) -> Limbs:
     ahead = np.cross(across, [0.0, 0.0, 1.0])
     places = np.array([limb.tip for limb in found]).reshape(-1, 3)
     # Rounded, so that a limb is not in front of its twin by a rounding error.
-    fore = np.round(places @ ahead / (NEAR * height)).astype(int)
+    fore = np.round(places @ ahead / (NEAR * height))
     order = sorted(range(len(found)), key=lambda at: (-fore[at], -float(places[at] @ across)))
     return Limbs(
         limbs=tuple(found[at] for at in order),
@@ -191,7 +193,7 @@ def _symmetry(tree: _Tree, rows: Sequence[tuple[int, ...]]) -> tuple[Array | Non
             twins = _twins(tree, normal, 0.5 * (ends[0] + ends[1]))
             paired = sum(first != second for first, second in twins.items())
             rank = (len(twins) / len(tree.joints), paired, abs(float(normal @ ACROSS)))
-            if paired and rank[0] >= SYMMETRIC and rank > best:
+            if paired and rank[0] > SYMMETRIC and rank > best:
                 side = normal @ ACROSS or normal[0]
                 best, result = rank, (normal if side > 0.0 else -normal, twins)
     return result

@@ -25,6 +25,9 @@ MOST_MARK = 65_536
 MOST_FILES = 20_000
 """Most files looked at in a folder; more is not a robot's folder but a disk."""
 
+FEWEST_PARTS = 2
+"""Parts of a path, with the root, up to which a folder holds more than one person's files."""
+
 MOST_ALIKE = 200
 """Most files of one name looked at for each path."""
 
@@ -44,7 +47,7 @@ class ResolvedPath:
     def fix(self) -> str:
         """What helps where there is no file that may be read."""
         if self.outer is None:
-            return "put the file there, correct its name, or name a folder of both by --folder"
+            return "put the file there, correct its name, or give --folder one that holds both"
         return f"let all of {self.outer} be read: --folder {self.outer}"
 
 
@@ -90,7 +93,9 @@ class Files:
         near = self._search(PurePosixPath(rest), scheme not in ("", "file"))
         if near.path is None and plain is not None and not self._stays(plain):
             outer = Path(os.path.commonpath([self.folder, os.path.realpath(plain)]))
-            return ResolvedPath(path=None, how="outside", outer=outer)
+            # A description may name any file: nobody is told to let the whole disk be read.
+            small = len(outer.parts) > FEWEST_PARTS
+            return ResolvedPath(path=None, how="outside", outer=outer if small else None)
         return near
 
     @cached_property

@@ -81,6 +81,8 @@ def follow(
     pull = np.gradient(speed, time, axis=0)
     dofs = [int(model.joint(each.joint).dofadr[0]) for each in simulator.robot.actuators]
     unit = model.actuator_gear[:, 0] * model.actuator_gainprm[:, 0]
+    if not unit.all():
+        return None
     force, clipped = np.empty(model.nv), 0
 
     def act(position: Array, velocity: Array, now: float) -> Array:

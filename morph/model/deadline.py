@@ -37,7 +37,8 @@ class Deadline:
 
     def halfway(self, since: float | None = None) -> Deadline:
         """Return one in the middle of the time since some time, by default now, until this one."""
-        return replace(self, time=0.5 * (self.time + (since or time.monotonic())))
+        begun = time.monotonic() if since is None else since
+        return replace(self, time=0.5 * (self.time + begun))
 
 
 NEVER = Deadline()

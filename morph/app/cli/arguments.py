@@ -40,7 +40,8 @@ class Diagnose:
     root: Folder = None
     """Folder that a recording.toml's files are relative to, instead of its own `root`."""
     budget: Annotated[float, tyro.conf.arg(metavar="SECONDS")] = BUDGET
-    """Seconds after which the best answer so far is written (exit status 3), as after Ctrl-C."""
+    """Seconds, or inf, after which the best answer so far is written (exit status 3), as after
+    Ctrl-C."""
     world: Name = None
     """The floor that it stood on, where the description has none: as `morph simulate --world`."""
     seed: int = 0
