@@ -108,7 +108,7 @@ def named(
 def _recorded(
     robot: Robot, run: PlannedRun, true: Effect, noise: float, rng: np.random.Generator, name: str
 ) -> Recording:
-    told = run.told.channels
+    told = run.inputs.channels
     made = Simulator(robot, effects=(true,), step=STEP).run(
         seconds=run.seconds,
         command={each.name: told[f"{each.name}.command"] for each in robot.actuators},

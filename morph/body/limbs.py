@@ -32,7 +32,7 @@ symmetric front to rear."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Limb:
+class KinematicChain:
     """Joints in a row from where the robot branches to a link that carries no other joint."""
 
     joints: tuple[str, ...]
@@ -49,7 +49,7 @@ class Limb:
 class Limbs:
     """A robot's limbs and its plane of symmetry."""
 
-    limbs: tuple[Limb, ...]
+    limbs: tuple[KinematicChain, ...]
     """Each limb, front to rear, left before right."""
     normal: Array | None
     """Of length 1, shape (3,), along y or, at right angles to it, x; from right to left of a robot
@@ -58,7 +58,7 @@ class Limbs:
     """By joint its mirror image, its own where it lies on the plane; others have none."""
 
     @property
-    def feet(self) -> tuple[Limb, ...]:
+    def feet(self) -> tuple[KinematicChain, ...]:
         """Those that are feet."""
         return tuple(limb for limb in self.limbs if limb.foot)
 
@@ -97,7 +97,7 @@ def limbs_of(robot: Robot, model: Any = None) -> Limbs:
         end = int(model.jnt_bodyid[row[-1]])
         x, y, z = data.xipos[end].tolist()
         found.append(
-            Limb(
+            KinematicChain(
                 joints=tuple(model.joint(at).name for at in row),
                 end=model.body(end).name,
                 tip=(x, y, z),

@@ -66,7 +66,7 @@ class PlannedRun:
     """How long it lasts."""
 
     @property
-    def told(self) -> Recording:
+    def inputs(self) -> Recording:
         """The commands alone, to its end, and the positions that are to be followed."""
         channels = self.excitation.recording.channels.items()
         commands = {name: each for name, each in channels if name.endswith(".command")}

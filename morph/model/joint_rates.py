@@ -114,6 +114,18 @@ def with_own_rates(recording: Recording, robot: Robot) -> Recording:
         elif _computed(velocity, position):
             why = "was computed from positions, or cannot be told from that"
         else:
+            if len(velocity.time) < FEWEST:
+                continue
+            sigma = max(noise(velocity.time, velocity.value), QUIETEST)
+            if count := int(_corners(velocity.value, sigma).sum()):
+                notes.append(
+                    Note(
+                        what=f"{count} of {len(velocity.value)} velocities of {name}, beside jumps "
+                        "of a force, are left out",
+                        where=f"recording {recording.name}",
+                        dropped=count,
+                    )
+                )
             continue
         del channels[f"{name}.velocity"]
         notes.append(

@@ -90,7 +90,7 @@ def _write(result: ExperimentPlan, out: Path) -> str:
 
     with atomic_directory(out, check, (*files, MARKER)) as folder:
         for file, run in zip(files, result.runs, strict=True):
-            write(run.told, folder / file)
+            write(run.inputs, folder / file)
         write_whole(folder / MARKER, text)
     return text
 

@@ -73,7 +73,7 @@ def test_an_arm_that_falls_is_given_positions_to_follow(upright: Robot) -> None:
             assert np.ptp(seen) > 0.3
             assert low + room <= seen.min()
             assert seen.max() <= high - room
-    told = PlannedRun(excitation=led[0], seconds=5.0).told.channels
+    told = PlannedRun(excitation=led[0], seconds=5.0).inputs.channels
     assert set(told) == {
         f"{name}.{what}"
         for names, what in (
