@@ -33,5 +33,10 @@ def test_a_recording_is_shown_by_its_channels_and_length() -> None:
 
 def test_a_diagnosis_is_shown_by_its_verdict_and_findings() -> None:
     finding = SimpleNamespace(effect=SimpleNamespace(label="payload@tip"), probability=0.75)
-    found = SimpleNamespace(robot="arm", verdict="mismatch", findings=[finding])
-    assert Diagnosis.__repr__(found) == "Diagnosis(arm: mismatch, payload@tip 0.75)"  # type: ignore[arg-type]
+    found = SimpleNamespace(
+        robot="arm", verdict="mismatch", findings=[finding], stopped_short=False
+    )
+    shown = "Diagnosis(arm: mismatch, payload@tip 0.75"
+    assert Diagnosis.__repr__(found) == f"{shown})"  # type: ignore[arg-type]
+    found.stopped_short = True
+    assert Diagnosis.__repr__(found) == f"{shown}, stopped short)"  # type: ignore[arg-type]
