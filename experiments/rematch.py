@@ -32,6 +32,7 @@ from morph.arrays import JSON, Array
 from morph.body.inertia import spread
 from morph.body.load import load
 from morph.body.robot import Robot
+from morph.body.roles import joint_roles
 from morph.errors import MorphError
 from morph.fabrication.link_mass import LinkMass
 from morph.fabrication.match.case import Case as Judging
@@ -39,7 +40,6 @@ from morph.fabrication.printed import designed, printed_robot
 from morph.fabrication.rematch import Matched, rematch
 from morph.policy.policy import Policy
 from morph.print.weight import Weight
-from morph.search.family.parts import parts_of
 from morph.search.search import Problem
 from morph.search.searches import OTHERWISE, default, search
 from morph.study.cell import cells_of
@@ -84,9 +84,11 @@ def weighed(robot: Robot, seed: int) -> Robot:
     before = designed(robot)
     drawn: dict[str, tuple[float, Array, Array]] = {}
     masses = []
-    names = tuple(link.name for link in robot.links)
-    for name, part in zip(names, parts_of(names), strict=True):
-        role = part.role or name
+    known = joint_roles(robot)
+    roles = {joint.link: known[joint.name] for joint in robot.joints if joint.name in known}
+    for name in (link.name for link in robot.links):
+        own = roles.get(name)
+        role = own.name if own else name
         if role not in drawn:
             share = rng.uniform(*PLASTIC)
             away = rng.normal(size=3)
@@ -95,7 +97,7 @@ def weighed(robot: Robot, seed: int) -> Robot:
             drawn[role] = factor, away, rng.uniform(*SPREAD, 3)
         weight = before[name]
         if weight.mass > 0.0:
-            mirror = np.array([1.0, -1.0 if part.side == 1.0 else 1.0, 1.0])
+            mirror = np.array([1.0, -1.0 if own and own.side == 1.0 else 1.0, 1.0])
             masses.append(_mass(name, weight, drawn[role], mirror))
     return printed_robot(robot, masses)
 

@@ -17,7 +17,9 @@ from morph.body.spec import spec_of
 
 HINGE, SLIDE = mujoco.mjtJoint.mjJNT_HINGE.value, mujoco.mjtJoint.mjJNT_SLIDE.value
 NEAR = 0.03
-"""Robot sizes by which a part may lie beside the mirror image of its twin."""
+"""Robot sizes within which two parts are as far ahead as each other."""
+BESIDE = 0.06
+"""Robot sizes by which a joint may lie beside the mirror image of its twin."""
 PARALLEL = 0.97
 """Least cosine between an axis and the mirror image of its twin's: 14 degrees."""
 LOW = 0.05
@@ -87,7 +89,7 @@ def limbs_of(robot: Robot, model: Any = None) -> Limbs:
     data = mujoco.MjData(model)
     mujoco.mj_kinematics(model, data)
     mujoco.mj_comPos(model, data)
-    tree = _Tree(model, data)
+    tree = JointTree(model, data)
     rows = tree.rows()
     normal, twins = _symmetry(tree, rows)
     free, height = torso_of(robot) is not None, max(tree.size, 1e-9)
@@ -117,8 +119,11 @@ def limbs_of(robot: Robot, model: Any = None) -> Limbs:
     )
 
 
-class _Tree:
-    """The hinges and slides of a model, and which hangs from which."""
+class JointTree:
+    """The hinges and slides of a model, and which hangs from which.
+
+    `data` holds where they are: it has gone through `mj_kinematics` and `mj_comPos`.
+    """
 
     def __init__(self, model: Any, data: Any) -> None:
         self.model, self.data = model, data
@@ -173,7 +178,9 @@ class _Tree:
         return float(heights.min(initial=self.data.xipos[body, 2]))
 
 
-def _symmetry(tree: _Tree, rows: Sequence[tuple[int, ...]]) -> tuple[Array | None, dict[int, int]]:
+def _symmetry(
+    tree: JointTree, rows: Sequence[tuple[int, ...]]
+) -> tuple[Array | None, dict[int, int]]:
     """Return the plane in which most joints have mirror images, and each one's image."""
     data, best = tree.data, (0.0, 0, 0.0)
     result: tuple[Array | None, dict[int, int]] = (None, {})
@@ -199,7 +206,7 @@ def _symmetry(tree: _Tree, rows: Sequence[tuple[int, ...]]) -> tuple[Array | Non
     return result
 
 
-def _twins(tree: _Tree, normal: Array, middle: Array) -> dict[int, int]:
+def _twins(tree: JointTree, normal: Array, middle: Array) -> dict[int, int]:
     """Return by joint the one that lies where its mirror image would, and turns as that."""
     joints: Integers = np.array(tree.joints)
     place, axis = tree.data.xanchor[joints], tree.data.xaxis[joints]
@@ -211,9 +218,12 @@ def _twins(tree: _Tree, normal: Array, middle: Array) -> dict[int, int]:
     apart = np.linalg.norm(image[:, None] - place[None], axis=2)
     alike = (np.abs(turned @ axis.T) > PARALLEL) & (kind[:, None] == kind)
     apart = np.where(alike, apart, np.inf)
-    nearest = apart.argmin(axis=1)
+    carried = np.log(np.maximum(tree.model.body_subtreemass[tree.model.jnt_bodyid[joints]], 1e-9))
+    # Of two beside each other the one that carries as much; masses themselves may be wrong.
+    unlike = apart + NEAR * tree.size * np.abs(carried[:, None] - carried[None])
+    nearest = unlike.argmin(axis=1)
     return {
         int(joints[at]): int(joints[to])
         for at, to in enumerate(nearest.tolist())
-        if apart[at, to] < NEAR * tree.size and nearest[to] == at
+        if apart[at, to] < BESIDE * tree.size and nearest[to] == at
     }

@@ -39,12 +39,12 @@ class Tune(Matcher):
 
     def suits(self, case: Case) -> bool:
         """Return whether there are policies near, and more than one number to turn."""
-        family = near(case.policy, self.sigma)
+        family = near(case.policy, case.printed.robot, self.sigma)
         return family is not None and len(family.numbers) > 1
 
     def proposals(self, case: Case) -> Iterator[Policy]:
         """Yield the middle of every few generations until the time is up."""
-        family = near(case.policy, self.sigma)
+        family = near(case.policy, case.printed.robot, self.sigma)
         if family is None:
             return
         sampler = Adapting(family.start, self.sigma, self.population, None)

@@ -104,7 +104,7 @@ def felt(
     count = each * len(mover.action)
     seen = mover.transitions(count, rng, width=budget.width)
     result = responses(seen, period=mover.task.period)
-    where = limbs(result) if mover.wet else legs(result, mover.action)
+    where = limbs(result) if mover.wet else legs(result, mover.robot)
     return where, result.late, len(seen.state)
 
 

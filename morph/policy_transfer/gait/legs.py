@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 
+from morph.body.robot import Robot
+from morph.body.roles import actuator_roles
 from morph.errors import TransferError
-from morph.policy.policy import Action
 from morph.policy_transfer.gait.limbs import CLEAR, Limb, Responses
-from morph.search.family.parts import parts_of
 
 
-def legs(result: Responses, action: tuple[Action, ...]) -> tuple[Limb, ...]:
+def legs(result: Responses, robot: Robot) -> tuple[Limb, ...]:
     """Return where each servo of a body on legs belongs.
 
-    Names tell which servos make a leg and in which corner it stands. Of a leg, the servo that
+    Geometry tells which servos make a leg and in which corner it stands. Of a leg, the servo that
     tilts the trunk most lifts it, and the one of the others that moves the trunk most along x
     swings it; what is left rests. The senses are learned: a leg that is lifted lets the trunk
     sink, and one that swings forward on the floor pushes the trunk back.
@@ -21,8 +21,8 @@ def legs(result: Responses, action: tuple[Action, ...]) -> tuple[Limb, ...]:
     Raises:
         TransferError: A leg has fewer than two servos.
     """
-    parts = parts_of(tuple(each.actuator for each in action))
-    corners = [(part.side, part.place) for part in parts]
+    roles = actuator_roles(robot)
+    corners = [(roles[each.name].side, roles[each.name].place) for each in robot.actuators]
     tilt = np.hypot(result.trunk[:, 3], result.trunk[:, 4])
     ahead, up = result.trunk[:, 0], result.trunk[:, 2]
     made: dict[int, Limb] = {}
@@ -30,7 +30,7 @@ def legs(result: Responses, action: tuple[Action, ...]) -> tuple[Limb, ...]:
         mine = [at for at, each in enumerate(corners) if each == corner]
         if len(mine) < 2:
             raise TransferError(
-                f"a leg has {len(mine)} servo, {action[mine[0]].actuator}",
+                f"a leg has {len(mine)} servo, {robot.actuators[mine[0]].name}",
                 where="legs of a body",
                 fix="give a body whose legs both swing and lift",
             )
@@ -52,4 +52,4 @@ def legs(result: Responses, action: tuple[Action, ...]) -> tuple[Limb, ...]:
                 sure=bool(abs(value) > CLEAR * error or not role),
                 role=role,
             )
-    return tuple(made[at] for at in range(len(action)))
+    return tuple(made[at] for at in range(len(corners)))

@@ -7,11 +7,11 @@ from collections.abc import Callable, Mapping
 import numpy as np
 
 from morph.body.limbs import torso_of
+from morph.body.roles import actuator_roles
 from morph.physics.contact.presets import SURFACES
 from morph.search.family.family import Family
 from morph.search.family.follow import follow
 from morph.search.family.gait import gait
-from morph.search.family.parts import parts_of
 from morph.search.family.posture_policies import hold
 from morph.search.family.stride import stride
 from morph.task.arm import Arm
@@ -31,16 +31,12 @@ def _gait(task: Task) -> Family:
     motors = all(each.kind == "motor" for each in robot.actuators)
     if motors and task.world in FLOORS:
         return stride(robot, task.start.position, seconds=task.horizon, period=task.period)
-    parts = parts_of(tuple(each.name for each in task.robot.actuators))
-    if len({part.role for part in parts}) <= MOST_ROLES:
-        return gait(task.robot, period=task.period)
-    legs = legs_of(task.robot)
-    walking = [
-        part.role
-        for part, actuator in zip(parts, task.robot.actuators, strict=True)
-        if actuator.joint in legs
-    ]
-    return gait(task.robot, period=task.period, roles=tuple(dict.fromkeys(walking)))
+    roles = actuator_roles(robot)
+    if len({role.order for role in roles.values()}) <= MOST_ROLES:
+        return gait(robot, period=task.period)
+    legs = legs_of(robot)
+    walking = [roles[each.name].name for each in robot.actuators if each.joint in legs]
+    return gait(robot, period=task.period, roles=tuple(dict.fromkeys(walking)))
 
 
 LEAN = 0.4

@@ -1,4 +1,4 @@
-"""Gaits: patterns of a whole body from a few numbers, by the symmetry that its names tell."""
+"""Gaits: patterns of a whole body from a few numbers, by the symmetry of its geometry."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 from morph.arrays import Array
 from morph.body.robot import Robot
+from morph.body.roles import Role, actuator_roles
 from morph.errors import SearchError
 from morph.policy.pattern import Pattern, Swing
 from morph.policy.policy import Action, actions_of
 from morph.search.family.family import Family, Number
-from morph.search.family.parts import ActuatorRole, parts_of
 
 WIDEST = 1.0
 """Greatest amplitude, and greatest offset from where it rests, of a joint, rad."""
@@ -24,11 +24,11 @@ OWN = ("amplitude", "offset", "slant", "phase", "lag")
 class Gait(Family):
     """Patterns in which all actuators of one role swing alike, those of other legs later.
 
-    With p the place of an actuator (0 in front, 1 at the rear) and s its side (0 left, 1
-    right), it swings about o + g (2 p - 1) with the amplitude a, at a frequency F that the
-    body shares, with the phase f - b s - l p: o, g, a, f and l belong to its role (hip, knee,
-    yaw), b to the body. So the wave of a snake, a trot and a stroke of paddles are points of
-    one family.
+    With p the place of an actuator (0 in front, 1 at the rear), s its side (0 left, 1 right)
+    and d its sense (1 or -1, which makes equal motions mirror images), it swings about
+    d (o + g (2 p - 1)) with the amplitude d a, at a frequency F that the body shares, with the
+    phase f - b s - l p: o, g, a, f and l belong to its role (hip, knee, yaw), b to the body. So
+    the wave of a snake, a trot and a stroke of paddles are points of one family.
 
     Where a role turns round, g and a count w = 1 - 2 p times, and w 2 pi F t is added: legs
     turn forward in front, backward at the rear and rest in the middle, fast as they push on
@@ -40,10 +40,10 @@ class Gait(Family):
 
     action: tuple[Action, ...]
     """Every actuator of the body."""
-    parts: tuple[ActuatorRole, ...]
-    """What the name of each tells."""
+    roles: tuple[Role, ...]
+    """The role of each."""
     turning: tuple[str, ...] = ()
-    """The roles that turn round."""
+    """Names of the roles that turn round."""
     period: float = 0.02
     """How long each command is held, s."""
 
@@ -51,28 +51,27 @@ class Gait(Family):
         """Return the pattern of these values, in the order of `numbers`."""
         free = {number.name: float(v) for number, v in zip(self.numbers, values, strict=True)}
         return Pattern(
-            swings=tuple(self._swing(part, free) for part in self.parts),
+            swings=tuple(self._swing(role, free) for role in self.roles),
             action=self.action,
             period=self.period,
         )
 
-    def _swing(self, part: ActuatorRole, free: dict[str, float]) -> Swing:
-        place, side = part.place or 0.0, part.side or 0.0
-        amplitude, offset, slant, phase, lag = (
-            free.get(f"{part.role} {key}".strip(), 0.0) for key in OWN
-        )
+    def _swing(self, role: Role, free: dict[str, float]) -> Swing:
+        place, side = role.place or 0.0, role.side or 0.0
+        amplitude, offset, slant, phase, lag = (free.get(f"{role.name} {key}", 0.0) for key in OWN)
         late = free.get(SIDES_LAG, 0.0) * side + lag * place
         frequency = free["frequency"]
-        if part.role not in self.turning:
+        if role.name not in self.turning:
             return Swing(
-                offset=offset + slant * (2.0 * place - 1.0),
+                offset=role.sense * (offset + slant * (2.0 * place - 1.0)),
                 amplitude=amplitude,
                 frequency=frequency,
-                phase=phase - late,
+                # Against the others: half a turn later.
+                phase=phase - late + (math.pi if role.sense < 0.0 else 0.0),
             )
-        way = 1.0 - 2.0 * place
+        way = role.sense * (1.0 - 2.0 * place)
         return Swing(
-            offset=offset + way * (slant - late),
+            offset=role.sense * offset + way * (slant - late),
             amplitude=way * amplitude,
             frequency=frequency,
             phase=phase - late,
@@ -92,13 +91,13 @@ def gait(
     roles: tuple[str, ...] | None = None,
     action: tuple[Action, ...] | None = None,
 ) -> Gait:
-    """Return the gaits of a robot: what is free follows from its actuators' names and ranges.
+    """Return the gaits of a robot: what is free follows from its symmetry and its ranges.
 
     Args:
         robot: The body.
         period: How long each command is held, s.
         fastest: Greatest frequency, Hz.
-        roles: Which roles swing, such as `hip`; the others rest at zero. None for all.
+        roles: Names of the roles that swing, such as `hip`; the others rest at zero. None: all.
         action: What is told to each actuator, and within which bounds; if not given, what the
             robot takes.
 
@@ -110,44 +109,48 @@ def gait(
         raise SearchError(
             "it has no actuator", where=f"robot {robot.name}", fix="give it a motor or a servo"
         )
-    parts = parts_of(tuple(each.actuator for each in action))
-    known = tuple(dict.fromkeys(part.role for part in parts))
-    swinging = known if roles is None else roles
-    if not swinging or not set(swinging) <= set(known):
+    found = actuator_roles(robot)
+    each_role = tuple(found[each.actuator] for each in action)
+    known = tuple(role.name for role in sorted(set(each_role), key=lambda role: role.order))
+    known = tuple(dict.fromkeys(known))
+    swinging = known if roles is None else tuple(name for name in known if name in roles)
+    if not swinging or not set(roles or ()) <= set(known):
         raise SearchError(
-            f"a gait of {', '.join(swinging) or 'nothing'} was asked for, "
+            f"a gait of {', '.join(roles or ()) or 'nothing'} was asked for, "
             f"and its actuators are {', '.join(known)}",
             where=f"robot {robot.name}",
             fix="name roles of its actuators",
         )
     numbers = [Number(name="frequency", low=0.2, high=fastest, start=0.2 + 0.4 * (fastest - 0.2))]
-    if len({part.side for part in parts} - {None}) > 1:
+    if len({role.side for role in each_role} - {None}) > 1:
         numbers.append(_turn(SIDES_LAG, math.pi))
     turning = []
-    for role in swinging:
-        those = [(one, part) for one, part in zip(action, parts, strict=True) if part.role == role]
+    for name in swinging:
+        those = [
+            (one, role) for one, role in zip(action, each_role, strict=True) if role.name == name
+        ]
         free = _turns(robot, those)
-        turning += [role] if free else []
-        numbers += _of_turning(role) if free else _of_role(role, those)
+        turning += [name] if free else []
+        numbers += _of_turning(name) if free else _of_role(name, those)
     if not turning:
         # Only phases between roles show: the clock may begin anywhere.
         numbers.remove(next(number for number in numbers if number.name.endswith("phase")))
     return Gait(
         numbers=tuple(numbers),
         action=action,
-        parts=parts,
+        roles=each_role,
         period=period,
         turning=tuple(turning),
     )
 
 
-def _turns(robot: Robot, those: list[tuple[Action, ActuatorRole]]) -> bool:
+def _turns(robot: Robot, those: list[tuple[Action, Role]]) -> bool:
     """Return whether those of one role are servos that may turn without end, front and rear."""
     servos = [robot.actuator(one.actuator) for one, _ in those]
     return (
         all(each.kind == "position" for each in servos)
         and all(robot.driven_by(each).limits is None for each in servos)
-        and len({part.place for _, part in those} - {None}) > 1
+        and len({role.place for _, role in those} - {None}) > 1
     )
 
 
@@ -156,32 +159,32 @@ def _turn(name: str, start: float = 0.0) -> Number:
     return Number(name=name, low=-0.5 * math.pi, high=2.5 * math.pi, start=start)
 
 
-def _of_turning(role: str) -> list[Number]:
-    named = f"{role} ".lstrip()
+def _of_turning(named: str) -> list[Number]:
     return [
         # Above 1 a leg would go back for a while, which is no turn.
-        Number(name=f"{named}amplitude", low=0.0, high=1.0, start=0.5),
-        Number(name=f"{named}offset", low=-0.5, high=0.5, start=0.0),
-        Number(name=f"{named}slant", low=-1.5 * math.pi, high=1.5 * math.pi, start=0.0),
-        _turn(f"{named}phase", math.pi),
-        Number(name=f"{named}lag", low=-math.pi, high=math.pi, start=0.0),
+        Number(name=f"{named} amplitude", low=0.0, high=1.0, start=0.5),
+        Number(name=f"{named} offset", low=-0.5, high=0.5, start=0.0),
+        Number(name=f"{named} slant", low=-1.5 * math.pi, high=1.5 * math.pi, start=0.0),
+        _turn(f"{named} phase", math.pi),
+        Number(name=f"{named} lag", low=-math.pi, high=math.pi, start=0.0),
     ]
 
 
-def _of_role(role: str, those: list[tuple[Action, ActuatorRole]]) -> list[Number]:
+def _of_role(named: str, those: list[tuple[Action, Role]]) -> list[Number]:
     widest = WIDEST if those[0][0].unit in {"rad", "m"} else math.inf
-    low = max(max(one.low for one, _ in those), -widest)
-    high = min(min(one.high for one, _ in those), widest)
+    # Bounds as the role has them: of one that turns against the others, the other way round.
+    bounds = [sorted((role.sense * one.low, role.sense * one.high)) for one, role in those]
+    low = max(max(each for each, _ in bounds), -widest)
+    high = min(min(each for _, each in bounds), widest)
     reach = max(min(high, -low), 1e-3)
-    named = f"{role} ".lstrip()
     numbers = [
-        Number(name=f"{named}amplitude", low=0.0, high=reach, start=0.4 * reach),
+        Number(name=f"{named} amplitude", low=0.0, high=reach, start=0.4 * reach),
         Number(
-            name=f"{named}offset", low=0.5 * min(low, 0.0), high=0.5 * max(high, reach), start=0.0
+            name=f"{named} offset", low=0.5 * min(low, 0.0), high=0.5 * max(high, reach), start=0.0
         ),
-        _turn(f"{named}phase"),
+        _turn(f"{named} phase"),
     ]
-    if len({part.place for _, part in those} - {None}) > 1:
-        numbers.append(Number(name=f"{named}slant", low=-0.3 * reach, high=0.3 * reach, start=0.0))
-        numbers.append(_turn(f"{named}lag", math.pi))
+    if len({role.place for _, role in those} - {None}) > 1:
+        numbers.append(Number(name=f"{named} slant", low=-0.3 * reach, high=0.3 * reach, start=0.0))
+        numbers.append(_turn(f"{named} lag", math.pi))
     return numbers

@@ -10,6 +10,7 @@ import numpy as np
 
 from morph.arrays import Array
 from morph.body.robot import Robot
+from morph.body.roles import Role, actuator_roles
 from morph.body.spec import spec_of
 from morph.errors import SearchError
 from morph.policy.linear import Linear
@@ -17,7 +18,6 @@ from morph.policy.observing import observations_of
 from morph.policy.pattern import Pattern, Swing
 from morph.policy.policy import Action, Observation, Policy, actions_of
 from morph.search.family.family import Family, Number
-from morph.search.family.parts import ActuatorRole, parts_of
 
 WIDEST = 0.1
 """Farthest from its posture that a joint may be told to stay, rad."""
@@ -40,8 +40,8 @@ class Hold(Family):
 
     action: tuple[Action, ...]
     """Every actuator of the body."""
-    parts: tuple[ActuatorRole, ...]
-    """What the name of each tells."""
+    roles: tuple[Role, ...]
+    """The role of each."""
     posture: tuple[float, ...]
     """p, where the joint of each actuator is to stay, rad or m."""
     carried: tuple[float, ...]
@@ -58,8 +58,8 @@ class Hold(Family):
         free = {number.name: float(v) for number, v in zip(self.numbers, values, strict=True)}
         point = np.array(
             [
-                place + free[f"{part.role} offset".strip()]
-                for place, part in zip(self.posture, self.parts, strict=True)
+                place + role.sense * free[f"{role.name} offset"]
+                for place, role in zip(self.posture, self.roles, strict=True)
             ]
         )
         if not any(self.sprung):
@@ -69,9 +69,9 @@ class Hold(Family):
         weight = np.zeros((len(self.action), 2 * len(motors)))
         bias = point.copy()
         for column, at in enumerate(motors):
-            role = self.parts[at].role
-            k = 10.0 ** free[f"{role} stiffness".strip()]
-            d = 10.0 ** free[f"{role} damping".strip()]
+            k, d = (
+                10.0 ** free[f"{self.roles[at].name} {key}"] for key in ("stiffness", "damping")
+            )
             weight[at, column], weight[at, len(motors) + column] = -k, -d * k
             bias[at] = k * point[at] + self.carried[at]
         return Linear(
@@ -111,24 +111,24 @@ def hold(
         )
     driven = [robot.actuator(each.actuator) for each in action]
     sprung = tuple(each.kind != "position" for each in driven)
-    parts = parts_of(tuple(each.actuator for each in action))
+    found = actuator_roles(robot)
+    roles = tuple(found[each.actuator] for each in action)
     names = [each.joint or "" for each in driven]
     efforts = [float((carried or {}).get(name, 0.0)) for name in names]
     model: Any = spec_of(robot).compile()
     stiffness = [float(model.actuator(each.name).gainprm[0]) for each in driven]
     numbers: list[Number] = []
-    for role in dict.fromkeys(part.role for part in parts):
-        first = next(at for at, part in enumerate(parts) if part.role == role)
-        named = f"{role} ".lstrip()
-        numbers.append(Number(name=f"{named}offset", low=-widest, high=widest, start=0.0))
-        if sprung[first]:
-            numbers += _spring(named, action[first])
+    for name in dict.fromkeys(role.name for role in sorted(roles, key=lambda role: role.order)):
+        numbers.append(Number(name=f"{name} offset", low=-widest, high=widest, start=0.0))
+        motors = [at for at, role in enumerate(roles) if role.name == name and sprung[at]]
+        if motors:
+            numbers += _spring(name, action[motors[0]])
     held = [name for name, spring in zip(names, sprung, strict=True) if name and spring]
     channels = [f"{name}.{rate}" for rate in ("position", "velocity") for name in held]
     return Hold(
         numbers=tuple(numbers),
         action=action,
-        parts=parts,
+        roles=roles,
         posture=tuple(
             float(posture.get(name, 0.0)) + (0.0 if spring else effort / stiff)
             for name, spring, effort, stiff in zip(names, sprung, efforts, stiffness, strict=True)
@@ -144,7 +144,7 @@ def hold(
 
 def _spring(named: str, action: Action) -> list[Number]:
     return [
-        Number(name=f"{named}{name}", low=low, high=high, start=start)
+        Number(name=f"{named} {name}", low=low, high=high, start=start)
         for name, low, start, high in springs(action.high)
     ]
 

@@ -4,16 +4,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import mujoco
-import numpy as np
 import pytest
 
 from morph.body.limbs import limbs_of
 from morph.body.load import load
-from morph.body.robot import Robot
-from morph.body.spec import spec_of
+from tests.morph.body.disguise import disguised
 
-SCALAR = (mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE)
 SIDES = (("left", "right"), ("l_", "r_"))
 
 
@@ -40,32 +36,6 @@ def test_twins_are_those_whose_names_say_so(body: str, feet: int) -> None:
     # Left before right: a limb follows its twin.
     ends = [limb.end for limb in found.limbs if other(limb.end) != limb.end]
     assert [other(each) for each in ends[::2]] == ends[1::2] or body == "humanoid"
-
-
-def disguised(robot: Robot, folder: Path, seed: int) -> tuple[Robot, dict[str, str]]:
-    """Return a robot with other names and some axes turned, and the old names by the new ones."""
-    rng = np.random.default_rng(seed)
-    spec, names = spec_of(robot), {}
-    for body in spec.bodies[1:]:
-        new = f"b{rng.integers(10**9)}"
-        names[new], body.name = body.name, new
-    for joint in spec.joints:
-        new = f"j{rng.integers(10**9)}"
-        names[new], joint.name = joint.name, new
-        if joint.type in SCALAR and rng.random() < 0.5:
-            joint.axis = -np.array(joint.axis)
-            joint.range = [-joint.range[1], -joint.range[0]]
-    for key in list(spec.keys):
-        spec.delete(key)
-    for sensor in list(spec.sensors):
-        spec.delete(sensor)
-    for actuator in spec.actuators:
-        old = actuator.target
-        actuator.target = next((new for new, was in names.items() if was == old), old)
-    for part in (*spec.excludes, *spec.equalities):
-        spec.delete(part)
-    (folder / "robot.xml").write_text(spec.to_xml())
-    return load(folder / "robot.xml"), names
 
 
 @pytest.mark.parametrize("body", ["quadruped_printed", "humanoid", "hexapod_swimmer"])

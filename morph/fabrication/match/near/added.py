@@ -7,7 +7,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from morph.arrays import Array
-from morph.fabrication.match.near.roles import ranges_of, roles_of
+from morph.body.robot import Robot
+from morph.body.roles import Role, actuator_roles
+from morph.fabrication.match.near.ranges import narrowest_of
 from morph.policy.adjusted import SOURCES, Adjusted, newest
 from morph.policy.policy import LARGEST, Policy
 from morph.search.family.family import Family, Number
@@ -22,33 +24,36 @@ class NearAdded(Family):
 
     adjusted: Adjusted
     """The policy, with an adjustment that is to be changed."""
+    roles: tuple[Role, ...]
+    """The role of each actuator."""
 
     def make(self, values: Array) -> Adjusted:
         """Return the policy of these values."""
         free = {number.name: float(v) for number, v in zip(self.numbers, values, strict=True)}
-        roles = roles_of(self.adjusted.action)
         law = np.array(self.adjusted.law)
-        own = law[:, -len(roles) :]
-        own += np.diag([free[f"{role} strength"] for role in roles])
-        shift = np.array([free[f"{role} shift"] for role in roles])
+        own = law[:, -len(self.roles) :]
+        own += np.diag([free[f"{role.name} strength"] for role in self.roles])
+        shift = np.array([role.sense * free[f"{role.name} shift"] for role in self.roles])
         return replace(self.adjusted, law=law, bias=self.adjusted.bias + shift)
 
 
-def near_added(policy: Policy, sigma: float) -> NearAdded:
+def near_added(policy: Policy, robot: Robot, sigma: float) -> NearAdded:
     """Return the policies near a policy that observes.
 
     Args:
         policy: The policy, of a kind that can be adjusted, or an adjusted one.
+        robot: The body that it commands.
         sigma: How far a search reaches at first, in sides of the cube.
     """
-    roles, ranges = roles_of(policy.action), ranges_of(policy.action)
+    known = actuator_roles(robot)
+    roles = tuple(known[each.actuator] for each in policy.action)
     numbers = []
-    for role in dict.fromkeys(roles):
-        wide = SHIFTED * min(float(r) for r, own in zip(ranges, roles, strict=True) if own == role)
-        numbers.append(Number(name=f"{role} strength", low=-STRONGER, high=STRONGER, start=0.0))
-        numbers.append(Number(name=f"{role} shift", low=-wide, high=wide, start=0.0))
+    for name, narrowest in narrowest_of(roles, policy.action).items():
+        wide = SHIFTED * narrowest
+        numbers.append(Number(name=f"{name} strength", low=-STRONGER, high=STRONGER, start=0.0))
+        numbers.append(Number(name=f"{name} shift", low=-wide, high=wide, start=0.0))
     adjusted = policy if isinstance(policy, Adjusted) else unadjusted(policy)
-    return NearAdded(adjusted=adjusted, numbers=tuple(numbers), sigma=sigma)
+    return NearAdded(adjusted=adjusted, roles=roles, numbers=tuple(numbers), sigma=sigma)
 
 
 def unadjusted(policy: Policy) -> Adjusted:

@@ -7,10 +7,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from morph.arrays import Array
-from morph.fabrication.match.near.roles import ranges_of, roles_of
+from morph.body.robot import Robot
+from morph.body.roles import Role, actuator_roles, joint_roles
+from morph.fabrication.match.near.ranges import narrowest_of, ranges_of
 from morph.policy.linear import Linear
 from morph.search.family.family import Family, Number
-from morph.search.family.parts import parts_of
 
 STIFFER, SHIFTED = 0.7, 0.1
 """Farthest change of gains as a share of themselves, and of a constant in ranges."""
@@ -22,13 +23,16 @@ class NearLinear(Family):
 
     linear: Linear
     """The policy that they are near."""
+    roles: tuple[Role, ...]
+    """The role of each actuator."""
+    seen: tuple[str, ...]
+    """What kind of reading each feature is."""
 
     def make(self, values: Array) -> Linear:
         """Return the policy of these values."""
         free = {number.name: float(v) for number, v in zip(self.numbers, values, strict=True)}
-        roles, seen = roles_of(self.linear.action), seen_of(self.linear)
-        scale = np.array([1.0 + free.get(f"gain on {kind}", 0.0) for kind in seen])
-        shift = np.array([free[f"{role} shift"] for role in roles])
+        scale = np.array([1.0 + free.get(f"gain on {kind}", 0.0) for kind in self.seen])
+        shift = np.array([role.sense * free[f"{role.name} shift"] for role in self.roles])
         if self.linear.bound != "clip":
             # Squashed, the function is in halves of the range.
             shift = 2.0 * shift / ranges_of(self.linear.action)
@@ -37,33 +41,32 @@ class NearLinear(Family):
         )
 
 
-def near_linear(linear: Linear, sigma: float) -> NearLinear:
+def near_linear(linear: Linear, robot: Robot, sigma: float) -> NearLinear:
     """Return the linear policies near one.
 
     Args:
         linear: The policy.
+        robot: The body that it commands.
         sigma: How far a search reaches at first, in sides of the cube.
     """
-    roles, ranges = roles_of(linear.action), ranges_of(linear.action)
+    known, seen = actuator_roles(robot), seen_of(linear, robot)
+    roles = tuple(known[each.actuator] for each in linear.action)
     numbers = [
         Number(name=f"gain on {kind}", low=-STIFFER, high=STIFFER, start=0.0)
-        for kind in dict.fromkeys(seen_of(linear))
+        for kind in dict.fromkeys(seen)
     ]
-    for role in dict.fromkeys(roles):
-        wide = SHIFTED * min(float(r) for r, own in zip(ranges, roles, strict=True) if own == role)
-        numbers.append(Number(name=f"{role} shift", low=-wide, high=wide, start=0.0))
-    return NearLinear(linear=linear, numbers=tuple(numbers), sigma=sigma)
+    for name, narrowest in narrowest_of(roles, linear.action).items():
+        wide = SHIFTED * narrowest
+        numbers.append(Number(name=f"{name} shift", low=-wide, high=wide, start=0.0))
+    return NearLinear(linear=linear, roles=roles, seen=seen, numbers=tuple(numbers), sigma=sigma)
 
 
-def seen_of(linear: Linear) -> tuple[str, ...]:
+def seen_of(linear: Linear, robot: Robot) -> tuple[str, ...]:
     """Return what kind of reading each feature is: role and quantity, such as `knee velocity`."""
     channels = [each.channel for each in linear.observation for _ in range(each.history)]
+    roles = {name: role.name for name, role in joint_roles(robot).items()}
     split = [channel.partition(".") for channel in channels]
-    parts = parts_of(tuple(part for part, _, _ in split))
-    kinds = [
-        f"{part.role or name} {quantity}"
-        for part, (name, _, quantity) in zip(parts, split, strict=True)
-    ]
+    kinds = [f"{roles.get(part, part)} {quantity}" for part, _, quantity in split]
     plain, angles = linear.seen
     # Of each angle its sine and its cosine.
     return (*(kinds[at] for at in plain), *(kinds[at] for at in angles for _ in range(2)))

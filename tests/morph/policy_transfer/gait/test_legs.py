@@ -1,12 +1,14 @@
 """Legs: which servo swings and which lifts, held against kinematics of the descriptions."""
 
 import math
+from pathlib import Path
 from typing import Any
 
 import mujoco
 import numpy as np
 import pytest
 
+from morph.body.load import load
 from morph.body.spec import spec_of
 from morph.errors import TransferError
 from morph.policy.policy import Action
@@ -45,11 +47,20 @@ def test_legs_of_four_bars_swing_the_way_that_their_feet_go() -> None:
         assert found[at].sense == np.sign(foot[0])
 
 
-def test_a_leg_of_one_servo_is_refused() -> None:
-    action = (Action(actuator="left_hip", unit="rad", low=-1.0, high=1.0),)
-    flat = Responses(trunk=np.ones((1, 6)), end=np.ones((1, 6)), error=np.ones((1, 6)), late=0.1)
+STILTS = """<mujoco model="stilts"><worldbody><body><freejoint/><geom size="0.1"/>
+<body name="left" pos="0 0.1 0"><joint name="left_hip" axis="0 1 0"/><geom size="0.05"/></body>
+<body name="right" pos="0 -0.1 0"><joint name="right_hip" axis="0 1 0"/><geom size="0.05"/></body>
+</body></worldbody><actuator><position name="left_hip" joint="left_hip" kp="1"/>
+<position name="right_hip" joint="right_hip" kp="1"/></actuator></mujoco>"""
+"""A body on two legs that swing and do not lift."""
+
+
+def test_a_leg_of_one_servo_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "stilts.xml").write_text(STILTS)
+    ones = np.ones((2, 6))
+    flat = Responses(trunk=ones, end=ones, error=ones, late=0.1)
     with pytest.raises(TransferError, match="a leg has 1 servo, left_hip"):
-        legs(flat, action)
+        legs(flat, load(tmp_path / "stilts.xml"))
 
 
 def test_a_pace_keeps_the_lags_between_its_corners() -> None:

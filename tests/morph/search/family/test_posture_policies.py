@@ -35,7 +35,8 @@ def test_motors_are_told_what_springs_and_dampers_would_do() -> None:
     seen[channels.index("knee.velocity")] = 0.4
     k = 10.0**2.5
     told = made.act(seen, np.zeros(()))[[a.actuator for a in made.action].index("knee")]
-    assert told == pytest.approx(7.0 + k * (-0.3 + 0.02 + 0.25) - 0.01 * k * 0.4)
+    # Its axis points to the right, and an offset turns to the left.
+    assert told == pytest.approx(7.0 + k * (-0.3 - 0.02 + 0.25) - 0.01 * k * 0.4)
 
 
 @pytest.mark.parametrize("body", ["hopper", "biped"])

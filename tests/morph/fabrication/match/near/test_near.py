@@ -47,9 +47,16 @@ def track() -> Track:
     )
 
 
-@pytest.mark.parametrize("policy", [trot(), law(), track()], ids=["pattern", "linear", "track"])
-def test_the_middle_of_the_cube_is_the_policy_itself(policy: Policy) -> None:
-    family = near(policy, 0.1)
+CASES = pytest.mark.parametrize(
+    ("policy", "body"),
+    [(trot(), "quadruped_printed"), (law(), "cartpole"), (track(), "cartpole")],
+    ids=["pattern", "linear", "track"],
+)
+
+
+@CASES
+def test_the_middle_of_the_cube_is_the_policy_itself(policy: Policy, body: str) -> None:
+    family = near(policy, load(body), 0.1)
     assert family is not None
     assert (family.start == 0.5).all()
     seen = policy.typical(TIMES, np.random.default_rng(1))
@@ -59,9 +66,9 @@ def test_the_middle_of_the_cube_is_the_policy_itself(policy: Policy) -> None:
     )
 
 
-@pytest.mark.parametrize("policy", [trot(), law(), track()], ids=["pattern", "linear", "track"])
-def test_every_number_changes_what_is_commanded(policy: Policy) -> None:
-    family = near(policy, 0.1)
+@CASES
+def test_every_number_changes_what_is_commanded(policy: Policy, body: str) -> None:
+    family = near(policy, load(body), 0.1)
     assert family is not None
     seen = policy.typical(TIMES, np.random.default_rng(1)) * 0.1
     before = family.policy(family.start).act(seen, TIMES)
@@ -73,7 +80,7 @@ def test_every_number_changes_what_is_commanded(policy: Policy) -> None:
 
 
 def test_legs_that_are_alike_stay_alike() -> None:
-    family = near(trot(), 0.1)
+    family = near(trot(), load("quadruped_printed"), 0.1)
     assert family is not None
     rng = np.random.default_rng(2)
     found = family.policy(np.clip(family.start + 0.1 * rng.normal(size=len(family.numbers)), 0, 1))
