@@ -44,8 +44,9 @@ def test_joints_of_one_role_are_those_whose_names_say_so(body: str) -> None:
 def test_a_label_is_what_the_names_have_in_common() -> None:
     roles = actuator_roles(load("quadruped_four_bar"))
     assert {role.name for role in roles.values()} == {"hip", "knee"}
-    left, rear = roles["front_left_hip_servo"], roles["rear_right_hip_servo"]
-    assert (left.side, left.place, rear.side, rear.place) == (0.0, 0.0, 1.0, 1.0)
+    for part in ("hip", "knee"):
+        left, rear = roles[f"front_left_{part}_servo"], roles[f"rear_right_{part}_servo"]
+        assert (left.side, left.place, rear.side, rear.place) == (0.0, 0.0, 1.0, 1.0)
     assert joint_roles(load("humanoid"))["l_hip_x"].name == "hip_x"
 
 
