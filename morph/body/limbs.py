@@ -26,6 +26,8 @@ LOW = 0.05
 """Robot heights above its lowest point in which the end of a limb is a foot."""
 SYMMETRIC = 0.5
 """Share of the joints that have a twin, or are their own, above which a robot has sides."""
+MANY = 3
+"""Fewest limbs on which a robot could stand whose trunk lies as low as their ends."""
 MOST_JOINTS, MOST_ROWS = 300, 24
 """Joints of a robot above which no symmetry is looked for, and limbs that propose its plane."""
 ACROSS = np.array([0.0, 1.0, 0.0])
@@ -44,7 +46,8 @@ class KinematicChain:
     tip: tuple[float, float, float]
     """Centre of mass of that link, m, in the world as the robot is described."""
     foot: bool
-    """Whether it is among the lowest parts of a robot that moves freely."""
+    """Whether a robot that moves freely could stand on it: its end is among the lowest parts, and
+    the trunk is higher or there are `MANY` such limbs of two joints or more."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -68,14 +71,22 @@ class Limbs:
 def torso_of(robot: Robot) -> str | None:
     """Return the link that moves freely in space or in a plane; None if there is no such link.
 
-    A rider on a board has two such links: its own is the last.
+    A rider on a board has two such links: its own is the last. A ball that lies beside a robot,
+    from which nothing driven hangs, is not the robot's.
     """
     freedoms: dict[str, int] = {}
     for joint in robot.joints:
         freedoms[joint.link] = freedoms.get(joint.link, 0) + FREEDOMS[joint.kind]
     held = {joint.link for joint in robot.joints if joint.name in robot.driven}
     loose = [link for link, count in freedoms.items() if count >= 3 and link not in held]
-    return loose[-1] if loose else None
+    parent = {link.name: link.parent for link in robot.links}
+    carrying = set()
+    for link in held:
+        while link in parent and link not in loose:
+            link = parent[link]
+        carrying.add(link)
+    own = [link for link in loose if link in carrying] or loose
+    return own[-1] if own else None
 
 
 def limbs_of(robot: Robot, model: Any = None) -> Limbs:
@@ -92,8 +103,14 @@ def limbs_of(robot: Robot, model: Any = None) -> Limbs:
     tree = JointTree(model, data)
     rows = tree.rows()
     normal, twins = _symmetry(tree, rows)
-    free, height = torso_of(robot) is not None, max(tree.size, 1e-9)
-    ground = min((tree.lowest(body) for body in range(1, model.nbody)), default=0.0)
+    height = max(tree.size, 1e-9)
+    grounds = [min((tree.lowest(body) for body in range(1, model.nbody)), default=0.0)]
+    trunk = torso_of(robot)
+    if trunk is not None and tree.lowest(model.body(trunk).id) - grounds[0] < LOW * height:
+        # It lies on its trunk, as a snake does; an ant could stand.
+        ends = [tree.lowest(int(model.jnt_bodyid[row[-1]])) for row in rows if len(row) > 1]
+        many = sum(low - min(ends) < LOW * height for low in ends) >= MANY
+        grounds = [min(ends)] if many else []
     found = []
     for row in rows:
         end = int(model.jnt_bodyid[row[-1]])
@@ -103,7 +120,8 @@ def limbs_of(robot: Robot, model: Any = None) -> Limbs:
                 joints=tuple(model.joint(at).name for at in row),
                 end=model.body(end).name,
                 tip=(x, y, z),
-                foot=free and tree.lowest(end) - ground < LOW * height,
+                foot=trunk is not None
+                and any(abs(tree.lowest(end) - ground) < LOW * height for ground in grounds),
             )
         )
     across = ACROSS if normal is None else normal

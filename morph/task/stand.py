@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from morph.body.postures import posture_of
 from morph.body.robot import Robot
 from morph.physics.worlds import world
 from morph.task.quantity import Direction, Point, Quantity
 from morph.task.start import Start
 from morph.task.task import Task
 from morph.task.term import Goal, Term
-from morph.task.torso import origin_of, stance, torso
+from morph.task.torso import origin_of, torso
 from morph.task.travel import effort_terms
 
 FLOOR = "hard_floor"
@@ -35,13 +36,13 @@ SETTLE = 1.0
 def stand(robot: Robot, *, name: str = "stand", horizon: float = 5.0) -> Task:
     """Return the task to stay on one's feet; the torso may move, but not sink or lean.
 
-    A body with motors alone begins in its `stance`, one with servos as it is described.
+    It begins in the body's own posture (`morph.body.postures`).
 
     Raises:
         TaskError: The body is held to the world, or has no actuator.
     """
     link = torso(robot, name)
-    start = stance(robot)
+    start = posture_of(robot)
     x, y, height = (float(each) for each in origin_of(robot, link, start))
     period = period_of(robot)
     upright = Direction(link=link)

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from morph.body.postures import posture_of
 from morph.body.robot import Robot
 from morph.physics.worlds import world
 from morph.task.quantity import Direction
 from morph.task.stand import FLOOR, STEP, period_of, start_of
 from morph.task.task import Task
 from morph.task.term import Goal, Term
-from morph.task.torso import stance, torso
+from morph.task.torso import torso
 from morph.task.travel import travel_goals, travel_terms
 
 FALLEN = 0.7
@@ -23,7 +24,7 @@ def walk(robot: Robot, *, distance: float = 1.0, horizon: float = 10.0) -> Task:
     """
     name = "walk"
     link = torso(robot, name)
-    start = stance(robot)
+    start = posture_of(robot)
     period = period_of(robot)
     upright = Direction(link=link)
     # A fall costs more than any distance is worth; a trunk that sways costs next to nothing.

@@ -12,6 +12,7 @@ from morph.physics.contact.presets import SURFACES
 from morph.search.family.family import Family
 from morph.search.family.follow import follow
 from morph.search.family.gait import gait
+from morph.search.family.paces import paces
 from morph.search.family.posture_policies import hold
 from morph.search.family.stride import stride
 from morph.task.arm import Arm
@@ -31,12 +32,15 @@ def _gait(task: Task) -> Family:
     motors = all(each.kind == "motor" for each in robot.actuators)
     if motors and task.world in FLOORS:
         return stride(robot, task.start.position, seconds=task.horizon, period=task.period)
-    roles = actuator_roles(robot)
-    if len({role.order for role in roles.values()}) <= MOST_ROLES:
-        return gait(robot, period=task.period)
-    legs = legs_of(robot)
-    walking = [roles[each.name].name for each in robot.actuators if each.joint in legs]
-    return gait(robot, period=task.period, roles=tuple(dict.fromkeys(walking)))
+    roles, walking = actuator_roles(robot), None
+    if len({role.order for role in roles.values()}) > MOST_ROLES:
+        legs = legs_of(robot)
+        named = [roles[each.name].name for each in robot.actuators if each.joint in legs]
+        walking = tuple(dict.fromkeys(named))
+    posture = task.start.position
+    if any(posture.get(each.joint or "", 0.0) for each in robot.actuators):
+        return paces(robot, posture, roles=walking, period=task.period)
+    return gait(robot, period=task.period, roles=walking)
 
 
 LEAN = 0.4

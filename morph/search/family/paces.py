@@ -45,14 +45,14 @@ class Paces(Family):
 
 
 def paces(
-    robot: Robot, posture: Mapping[str, float], *, roles: tuple[str, ...], period: float
+    robot: Robot, posture: Mapping[str, float], *, roles: tuple[str, ...] | None, period: float
 ) -> Paces:
     """Return the gaits of a robot about a posture.
 
     Args:
         robot: The body.
         posture: Where joints are between their swings, by name, rad; others are at zero.
-        roles: Which roles swing, such as `knee_y`.
+        roles: Names of the roles that swing, such as `knee_y`; None for all.
         period: How long each command is held, s.
 
     Raises:

@@ -6,9 +6,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+import mujoco
 import numpy as np
 
 from morph.arrays import Array
+from morph.body.limbs import JointTree
 from morph.body.robot import Robot
 from morph.body.roles import Role, actuator_roles
 from morph.body.spec import spec_of
@@ -23,7 +25,8 @@ WIDEST = 0.1
 """Farthest from its posture that a joint may be told to stay, rad."""
 
 SOFTEST, FIRST_STIFF, STIFFEST = 1.0, 10.0, 20.0
-"""Least, first and greatest stiffness of a motor's spring, in greatest efforts per rad."""
+"""Least, first and greatest stiffness of a motor's spring, in greatest efforts per rad, or in the
+robot's weight at its reach where that is less."""
 
 BRIEFEST, FIRST_BRIEF, LONGEST = 0.003, 0.015, 0.1
 """Least, first and greatest damping of a motor, in stiffnesses times s."""
@@ -116,13 +119,15 @@ def hold(
     names = [each.joint or "" for each in driven]
     efforts = [float((carried or {}).get(name, 0.0)) for name in names]
     model: Any = spec_of(robot).compile()
+    weight = float(robot.mass * np.linalg.norm(model.opt.gravity) * _reach(model))
     stiffness = [float(model.actuator(each.name).gainprm[0]) for each in driven]
     numbers: list[Number] = []
     for name in dict.fromkeys(role.name for role in sorted(roles, key=lambda role: role.order)):
         numbers.append(Number(name=f"{name} offset", low=-widest, high=widest, start=0.0))
         motors = [at for at, role in enumerate(roles) if role.name == name and sprung[at]]
         if motors:
-            numbers += _spring(name, action[motors[0]])
+            limit = min(action[at].high for at in motors)
+            numbers += _spring(name, min(limit, weight) if weight > 0.0 else limit)
     held = [name for name, spring in zip(names, sprung, strict=True) if name and spring]
     channels = [f"{name}.{rate}" for rate in ("position", "velocity") for name in held]
     return Hold(
@@ -142,10 +147,20 @@ def hold(
     )
 
 
-def _spring(named: str, action: Action) -> list[Number]:
+def _reach(model: Any) -> float:
+    """Return how far a robot reaches as it is described, m."""
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    mujoco.mj_comPos(model, data)
+    return JointTree(model, data).size
+
+
+def _spring(named: str, limit: float) -> list[Number]:
+    # Of a motor that could lift the robot at arm's length many times over, as some descriptions
+    # state, a spring by its limit would be far too stiff.
     return [
         Number(name=f"{named} {name}", low=low, high=high, start=start)
-        for name, low, start, high in springs(action.high)
+        for name, low, start, high in springs(limit)
     ]
 
 

@@ -8,6 +8,7 @@ import pytest
 
 from morph.body.limbs import torso_of
 from morph.body.load import load
+from morph.body.postures import posture_of
 from morph.body.spec import spec_of
 from morph.errors import TaskError
 from morph.task.balance import balance
@@ -16,7 +17,6 @@ from morph.task.stand import stand
 from morph.task.swim import swim
 from morph.task.task import Task
 from morph.task.tasks import task, tasks_of
-from morph.task.torso import stance
 from morph.task.walk import walk
 
 TORSOS = {
@@ -43,7 +43,7 @@ def test_the_torso_is_what_moves_freely_though_no_motor_moves_it(
 @pytest.mark.parametrize("body", ["biped", "hopper"])
 def test_in_its_stance_a_walker_is_over_its_feet_and_its_knees_are_bent(body: str) -> None:
     robot = load(body)
-    start = stance(robot)
+    start = posture_of(robot)
     model = spec_of(robot).compile()
     data = mujoco.MjData(model)
     for name, value in start.items():

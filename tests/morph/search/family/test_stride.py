@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 from morph.body.load import load
+from morph.body.postures import posture_of
 from morph.search.family.stride import WIDEST, stride
-from morph.task.torso import stance
 
 
 def test_a_stride_is_a_spring_about_a_set_point_that_swings() -> None:
     robot = load("hopper")
-    place = stance(robot)
+    place = posture_of(robot)
     family = stride(robot, place, seconds=2.0, period=0.002)
     values = {number.name: number.start for number in family.numbers}
     values |= {"stiffness": 0.5, "damping": -2.0, "frequency": 1.0}
@@ -32,7 +32,7 @@ def test_a_stride_is_a_spring_about_a_set_point_that_swings() -> None:
 
 def test_set_points_stay_within_the_ranges_of_their_joints() -> None:
     robot = load("biped")
-    place = stance(robot)
+    place = posture_of(robot)
     family = stride(robot, place, seconds=2.0, period=0.01)
     rng = np.random.default_rng(0)
     for point in rng.uniform(size=(10, len(family.numbers))):

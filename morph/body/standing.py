@@ -1,0 +1,259 @@
+"""How a robot stands on its feet: a posture with the soles on the floor that its motors hold."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from itertools import product
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from morph.arrays import Array, Integers
+from morph.body.limbs import HINGE, SLIDE, JointTree, limbs_of, torso_of
+from morph.body.robot import Robot
+from morph.body.roles import joint_roles
+from morph.body.soles import sole_of
+from morph.body.spec import spec_of
+from morph.body.support import beyond_limits, holding_efforts
+
+BENT = 0.3
+"""How far from its limits a joint of a leg is kept, rad, where there is room."""
+STRAIGHT = 0.95
+"""Greatest length of a leg, from its first joint to its sole, in lengths of the straight leg."""
+CLEAR = 0.3
+"""Least height of the trunk's shapes above the soles, in lengths of the straight legs."""
+LEVEL = 0.005
+"""Share of its size by which a robot may be above or in the floor as it is described."""
+BENDS = (0.4, 0.8)
+"""How far joints of legs are bent where the search for a posture begins, rad."""
+MOST_BENT = 4
+"""Most roles of joints that are bent one way or the other at first."""
+GOOD, FAIR, SAME = 3e-3, 0.06, 0.05
+"""Half the sum of squared faults below which no other beginning is tried; below which none is
+either if two led to one posture; and the share by which the faults of such two differ."""
+TURNS = 50
+"""Most poses from which one search goes on."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Standing:
+    """A posture on all feet, and what it asks of the motors."""
+
+    position: Mapping[str, float]
+    """Where a simulation starts: joints by name, rad or m, and the base's height, m."""
+    effort: Mapping[str, float]
+    """By actuator the effort at its joint, N m or N, with the least share of limits."""
+    lacking: Mapping[str, float]
+    """By actuator that is too weak, what it would have to give, N m or N."""
+    balanced: bool
+    """Whether forces at the soles can hold the base at all; on two points they cannot."""
+    computed: bool
+    """Whether legs were bent; else the robot stands as it is described, on the floor."""
+
+
+def standing(robot: Robot) -> Standing | None:
+    """Return how a robot stands on its feet, upright on a level floor at height 0.
+
+    A robot that stands as it is described, on level soles and held up by its motors, keeps its
+    posture; motors alone need legs that are bent, away from the ends of their ranges. Of others
+    the joints of the legs are chosen: soles level, centre of mass above their middle, feet where
+    they were, trunk clear of the floor, legs shorter than `STRAIGHT`, joints `BENT` from limits.
+
+    Returns:
+        The posture; None of a robot that is held to the world or has no feet.
+    """
+    link = torso_of(robot)
+    if link is None or not limbs_of(robot).feet:
+        return None
+    legs = _Legs(robot, link)
+    described = legs.settled(legs.within(legs.model.qpos0.copy()))
+    computed = not robot.loops and not legs.stands(described)
+    chosen = legs.settled(legs.bent()) if computed else described
+    effort = legs.held(chosen)
+    return Standing(
+        position=legs.told(chosen),
+        effort=effort or {},
+        lacking=beyond_limits(robot, effort or {}),
+        balanced=effort is not None,
+        computed=computed,
+    )
+
+
+class _Legs:
+    """The legs of a robot, and poses in which it stands on them."""
+
+    def __init__(self, robot: Robot, link: str) -> None:
+        self.robot, self.link = robot, link
+        model: Any = spec_of(robot).compile()
+        self.model, self.data = model, mujoco.MjData(model)
+        limbs, driven = limbs_of(robot, model).feet, set(robot.driven)
+        self.legs = [
+            [model.joint(name).id for name in limb.joints if name in driven] for limb in limbs
+        ]
+        self.joints = sorted({at for leg in self.legs for at in leg})
+        self.places: Integers = model.jnt_qposadr[self.joints].astype(np.int64)
+        limited = model.jnt_limited.astype(bool)[self.joints]
+        reach = model.jnt_range[self.joints]
+        self.low = np.where(limited, reach[:, 0], -math.pi)
+        self.high = np.where(limited, reach[:, 1], math.pi)
+        self.room = np.minimum(BENT, 0.25 * (self.high - self.low))
+        data = self._at(model.qpos0)
+        self.soles = [
+            sole_of(model, data, model.body(limb.end).id, leg)
+            for limb, leg in zip(limbs, self.legs, strict=True)
+        ]
+        self.trunk = sole_of(model, data, model.body(link).id)
+        self.turn = data.xmat[[sole.body for sole in self.soles]].copy()
+        self.place = self._touch()[:, :2]
+        self.size = max(JointTree(model, data).size, 1e-6)
+        rows = [self._row(at) for at in range(len(self.legs))]
+        self.straight = np.array([_length(row) for row in rows])
+
+    def _at(self, pose: Array) -> Any:
+        """Return the data of a pose."""
+        self.data.qpos[:] = pose
+        mujoco.mj_kinematics(self.model, self.data)
+        mujoco.mj_comPos(self.model, self.data)
+        return self.data
+
+    def _touch(self) -> Array:
+        return np.array([sole.touch(self.data) for sole in self.soles])
+
+    def _row(self, at: int) -> Array:
+        """Return the joints of a leg and its sole in the pose that was set last, shape (n, 3)."""
+        return np.vstack([self.data.xanchor[self.legs[at]], self.soles[at].touch(self.data)])
+
+    def _lengths(self) -> Array:
+        """Return how long legs are, in lengths of the straight leg, shape (legs,)."""
+        rows = [self._row(at) for at in range(len(self.legs))]
+        return np.asarray(np.array([_length(row[[0, -1]]) for row in rows]) / self.straight)
+
+    def within(self, pose: Array) -> Array:
+        """Return a pose with every hinge and slide brought into its range."""
+        model = self.model
+        for at in np.flatnonzero(model.jnt_limited):
+            if model.jnt_type[at] in (HINGE, SLIDE):
+                place = int(model.jnt_qposadr[at])
+                pose[place] = np.clip(pose[place], *model.jnt_range[at])
+        return pose
+
+    def settled(self, pose: Array) -> Array:
+        """Return a pose with the base as high as its lowest sole asks, a floor at 0."""
+        self._at(pose)
+        low = float(self._touch()[:, 2].min())
+        if abs(low) > LEVEL * self.size:
+            place, upwards = self._height()
+            pose[place] -= low / upwards
+        return pose
+
+    def _height(self) -> tuple[int, float]:
+        """Return where in `qpos` the base's height is, and how much it lifts the base."""
+        model = self.model
+        base = model.body(self.link).id
+        first = int(model.body_jntadr[base])
+        for at in range(first, first + int(model.body_jntnum[base])):
+            if model.jnt_type[at] == mujoco.mjtJoint.mjJNT_FREE:
+                return int(model.jnt_qposadr[at]) + 2, 1.0
+            upwards = float(self.data.xaxis[at, 2])
+            if model.jnt_type[at] == SLIDE and abs(upwards) > 0.9:
+                return int(model.jnt_qposadr[at]), upwards
+        # It slides on a level, and is as high as it is.
+        return 0, math.inf
+
+    def stands(self, pose: Array) -> bool:
+        """Return whether a robot stands in a pose: all soles down, and held up by its motors."""
+        self._at(pose)
+        if np.ptp(self._touch()[:, 2]) > LEVEL * self.size:
+            return False
+        if all(each.kind != "position" for each in self.robot.actuators):
+            value = pose[self.places]
+            if (np.minimum(value - self.low, self.high - value) < self.room).any():
+                return False
+            if (self._lengths() > STRAIGHT).all():
+                return False
+        effort = self.held(pose)
+        return effort is not None and not beyond_limits(self.robot, effort)
+
+    def held(self, pose: Array) -> dict[str, float] | None:
+        """Return the efforts that hold a pose; see `holding_efforts`."""
+        return holding_efforts(self.robot, self.model, self._at(pose), self.link, self.soles)
+
+    def bent(self) -> Array:
+        """Return the pose on bent legs that is best, of several beginnings."""
+        from scipy.optimize import least_squares
+
+        roles = joint_roles(self.robot)
+        own = [roles[self.model.joint(at).name] for at in self.joints]
+        orders = sorted({role.order for role in own})[-MOST_BENT:]
+        base = self.within(self.model.qpos0.copy())
+        best: tuple[float, Array] = (math.inf, base[self.places])
+        for size, signs in product(BENDS, product((1.0, -1.0), repeat=len(orders))):
+            way = dict(zip(orders, signs, strict=True))
+            bend = np.array([role.sense * size * way.get(role.order, 0.0) for role in own])
+            result = least_squares(
+                self._faults,
+                np.clip(base[self.places] + bend, self.low, self.high),
+                bounds=(self.low - 1e-9, self.high + 1e-9),
+                args=(base,),
+                ftol=1e-4,
+                max_nfev=TURNS,
+            )
+            same = abs(result.cost - best[0]) < SAME * best[0] < SAME * FAIR
+            best = min(best, (float(result.cost), result.x), key=lambda each: each[0])
+            if best[0] < GOOD or same:
+                break
+        # To a tenth of a milliradian, which reads better and stands as well.
+        base[self.places] = np.round(best[1], 4)
+        return base
+
+    def _faults(self, value: Array, base: Array) -> Array:
+        """Return by how much a pose fails to stand, in sizes of the robot and rad, weighted."""
+        pose = base.copy()
+        pose[self.places] = value
+        data = self._at(pose)
+        touch = self._touch()
+        middle, mass = touch[:, :2].mean(axis=0), data.subtree_com[0, :2]
+        level = touch[:, 2] - touch[:, 2].mean()
+        moved = touch[:, :2] - middle - (self.place - self.place.mean(axis=0))
+        beyond = np.maximum(0.0, self.room - np.minimum(value - self.low, self.high - value))
+        clear = self.trunk.touch(data)[2] - touch[:, 2].mean()
+        turned = [
+            data.xmat[sole.body] - turn
+            for sole, turn in zip(self.soles, self.turn, strict=True)
+            if sole.flat
+        ]
+        return np.concatenate(
+            [
+                10.0 * level / self.size,
+                10.0 * (mass - middle) / self.size,
+                moved.ravel() / self.size,
+                *(10.0 * each for each in turned),
+                beyond,
+                10.0 * np.maximum(0.0, self._lengths() - STRAIGHT),
+                [10.0 * max(0.0, CLEAR * float(self.straight.min()) - clear) / self.size],
+                0.01 * (value - base[self.places]),
+            ]
+        )
+
+    def told(self, pose: Array) -> dict[str, float]:
+        """Return a pose as simulations are told to start, without what is as described."""
+        model = self.model
+        result = {}
+        for joint in self.robot.joints:
+            place = int(model.joint(joint.name).qposadr[0])
+            name = joint.name
+            if joint.kind == "free":
+                name, place = f"{joint.link}.position.z", place + 2
+            elif joint.kind == "ball":
+                continue
+            if pose[place] != model.qpos0[place]:
+                result[name] = round(float(pose[place]), 5) + 0.0
+        return result
+
+
+def _length(row: Array) -> float:
+    """Return the length of a line through points, m; not 0."""
+    return max(float(np.linalg.norm(np.diff(row, axis=0), axis=1).sum()), 1e-9)
