@@ -83,12 +83,10 @@ def weighed(robot: Robot, seed: int) -> Robot:
     rng = np.random.default_rng([seed, 4])
     before = designed(robot)
     drawn: dict[str, tuple[float, Array, Array]] = {}
-    masses = []
-    known = joint_roles(robot)
-    roles = {joint.link: known[joint.name] for joint in robot.joints if joint.name in known}
+    masses, roles = [], joint_roles(robot)
+    own_roles = {joint.link: roles.get(joint.name) for joint in robot.joints}
     for name in (link.name for link in robot.links):
-        own = roles.get(name)
-        role = own.name if own else name
+        role = own.name if (own := own_roles.get(name)) else name
         if role not in drawn:
             share = rng.uniform(*PLASTIC)
             away = rng.normal(size=3)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, replace
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal
 
@@ -12,10 +13,12 @@ import numpy as np
 from morph.body.finding import DescriptionFinding
 from morph.body.limbs import Limbs, limbs_of
 from morph.body.load import load
+from morph.body.postures import REST, STANDING, keyframes_of
 from morph.body.quiet import quiet
 from morph.body.refusal import about_file
 from morph.body.robot import Robot
 from morph.body.spec import spec_of
+from morph.body.standing import Standing, standing
 from morph.errors import DescriptionRefused, RobotError
 
 SCHEMA = "morph.inspection/1"
@@ -40,6 +43,10 @@ class Inspection:
     """Furthest that any part is from the base at home, m."""
     limbs: Limbs | None = None
     """Its limbs and their mirror images; None if there is no robot."""
+    keyframes: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    """The postures that its description names."""
+    standing: Standing | None = None
+    """How it stands on its feet; None if it has none."""
 
     @property
     def verdict(self) -> Literal["ok", "repaired", "refused"]:
@@ -66,9 +73,17 @@ class Inspection:
             "closures": [] if robot is None else [asdict(part) for part in robot.loops],
             "limbs": [] if self.limbs is None else [asdict(limb) for limb in self.limbs.limbs],
             "twins": {} if self.limbs is None else self.limbs.twins,
+            "postures": self._postures(),
+            "standing": None if self.standing is None else self.standing.as_json(),
             "findings": [finding.as_json() for finding in self.findings],
             "verdict": self.verdict,
         }
+
+    def _postures(self) -> dict[str, dict[str, float]]:
+        if self.robot is None:
+            return {}
+        on_feet = {} if self.standing is None else {STANDING: dict(self.standing.position)}
+        return {REST: {}, **on_feet, **{name: dict(each) for name, each in self.keyframes.items()}}
 
 
 def inspect_robot(
@@ -97,10 +112,13 @@ def inspect_robot(
 
         findings += disagreement(result)
     spec = spec_of(result)
+    touching = [(geom, geom.contype, geom.conaffinity) for geom in spec.geoms]
     for geom in spec.geoms:
         geom.contype = geom.conaffinity = 0  # So that MuJoCo computes no hulls.
     with quiet():
         model = spec.compile()
+        for geom, kind, others in touching:
+            model.geom_contype[geom.id], model.geom_conaffinity[geom.id] = kind, others
         data = mujoco.MjData(model)
         mujoco.mj_kinematics(model, data)
         mujoco.mj_comPos(model, data)
@@ -113,6 +131,8 @@ def inspect_robot(
         dof=int(model.nv),
         reach=_reach(model, data),
         limbs=limbs_of(result, model),
+        keyframes=keyframes_of(result, model),
+        standing=standing(result, model),
     )
 
 

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
+from math import isfinite
+from pathlib import Path
 from typing import Any
 
 from morph.body.limbs import HINGE, SLIDE
@@ -11,9 +14,12 @@ from morph.body.spec import spec_of
 from morph.body.standing import standing
 from morph.errors import RobotError
 from morph.nearest import nearest
+from morph.toml_file import load_toml
 
 REST, STANDING = "rest", "standing"
 """As the description has it, and on its feet."""
+ENDING, MOST_BYTES = ".toml", 100_000
+"""What files of postures end in, and the most that one may have."""
 USUAL = ("home", "stand", "standing", "default")
 """What keyframes of the posture in which a robot is ready are called, most usual first."""
 
@@ -44,35 +50,75 @@ def keyframes_of(robot: Robot, model: Any = None) -> dict[str, dict[str, float]]
     return found
 
 
-def posture_of(robot: Robot, name: str | None = None) -> Mapping[str, float]:
-    """Return where a simulation starts, by joint, rad or m, and by channel of the base.
+def postured(robot: Robot, posture: str | None) -> Robot:
+    """Return a robot that starts on floors in a posture of its own or of a file.
 
     Args:
         robot: The robot.
-        name: That of a keyframe, `standing` or `rest`. None for the robot's own: the keyframe
-            of a usual name, else on its feet, else as it is described.
+        posture: That of a keyframe, `standing`, `rest`, or a TOML file that gives joints (rad or
+            m) and channels of the base, such as `base.position.z`. None changes nothing.
 
     Raises:
-        RobotError: It has no such posture.
+        RobotError: It has no such posture, or the file cannot be used.
     """
-    if name == REST:
-        return {}
-    known = keyframes_of(robot)
-    if name is None:
-        usual = next((each for each in USUAL if each in known), None)
-        if usual is not None:
-            return known[usual]
-    elif name in known:
-        return known[name]
-    if name in (None, STANDING):
+    if posture is None:
+        return robot
+    if posture == REST:
+        return replace(robot, posture={})
+    if posture.endswith(ENDING):
+        return replace(robot, posture=_read(Path(posture)))
+    known: dict[str, Mapping[str, float]] = dict(keyframes_of(robot))
+    if posture not in known and posture == STANDING:
         found = standing(robot)
-        if found is not None:
-            return found.position
-        if name is None:
-            return {}
-    names = [*known, REST, *([STANDING] if name != STANDING else [])]
-    raise RobotError(
-        f"it has no posture {name!r}" + (": it has no feet" if name == STANDING else ""),
-        where=f"robot {robot.name}",
-        fix=f"its postures are {nearest(str(name), names)}",
-    )
+        if found is None:
+            raise RobotError(
+                "it has no feet to stand on", where=f"robot {robot.name}", fix=f"say {REST}"
+            )
+        known[STANDING] = found.position
+    if posture not in known:
+        names = (*known, STANDING, REST)
+        raise RobotError(
+            f"it has no posture {posture!r}",
+            where=f"robot {robot.name}",
+            fix=f"its postures are {nearest(posture, names)}; or give a file that ends in {ENDING}",
+        )
+    return replace(robot, posture=known[posture])
+
+
+def posture_of(robot: Robot) -> Mapping[str, float]:
+    """Return where tasks on a floor start, by joint, rad or m, and by channel of the base.
+
+    It is the posture that the robot was given (`postured`), else the keyframe of a usual name,
+    else on its feet, else as it is described.
+    """
+    if robot.posture is not None:
+        return robot.posture
+    known = keyframes_of(robot)
+    usual = next((each for each in USUAL if each in known), None)
+    if usual is not None:
+        return known[usual]
+    found = standing(robot)
+    return {} if found is None else found.position
+
+
+def _read(path: Path) -> dict[str, float]:
+    try:
+        table, _ = load_toml(path, MOST_BYTES)
+    except (OSError, ValueError) as error:
+        raise RobotError(
+            f"the posture cannot be read: {error}",
+            where=str(path),
+            fix='write lines such as knee = 0.5 and "base.position.z" = 0.3',
+        ) from error
+    wrong = [name for name, value in table.items() if not _is_number(value)]
+    if wrong:
+        raise RobotError(
+            f"{wrong[0]} is no finite number",
+            where=str(path),
+            fix='write lines such as knee = 0.5 and "base.position.z" = 0.3, quotes about dots',
+        )
+    return {name: float(value) for name, value in table.items()}
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and isfinite(value)

@@ -154,6 +154,8 @@ class Robot:
     """Every closed chain."""
     findings: tuple[DescriptionFinding, ...] = ()
     """What the importer found in the description."""
+    posture: Mapping[str, float] | None = None
+    """Where tasks on a floor start, as simulations are told; None for its own posture."""
 
     def __repr__(self) -> str:
         counts = f"{len(self.links)} links, {len(self.joints)} joints"

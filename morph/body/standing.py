@@ -34,6 +34,8 @@ MOST_BENT = 4
 GOOD, FAIR, SAME = 3e-3, 0.06, 0.05
 """Half the sum of squared faults below which no other beginning is tried; below which none is
 either if two led to one posture; and the share by which the faults of such two differ."""
+LEAST = 0.003
+"""Least change of a joint from its description, rad or m."""
 TURNS = 50
 """Most poses from which one search goes on."""
 
@@ -53,8 +55,17 @@ class Standing:
     computed: bool
     """Whether legs were bent; else the robot stands as it is described, on the floor."""
 
+    def as_json(self) -> dict[str, Any]:
+        """Return it as JSON holds it, by the schema `morph.inspection/1`, but for the posture."""
+        return {
+            "computed": self.computed,
+            "balanced": self.balanced,
+            "efforts": dict(self.effort),
+            "lacking": dict(self.lacking),
+        }
 
-def standing(robot: Robot) -> Standing | None:
+
+def standing(robot: Robot, model: Any = None) -> Standing | None:
     """Return how a robot stands on its feet, upright on a level floor at height 0.
 
     A robot that stands as it is described, on level soles and held up by its motors, keeps its
@@ -62,13 +73,20 @@ def standing(robot: Robot) -> Standing | None:
     the joints of the legs are chosen: soles level, centre of mass above their middle, feet where
     they were, trunk clear of the floor, legs shorter than `STRAIGHT`, joints `BENT` from limits.
 
+    Args:
+        robot: The robot.
+        model: Its compiled `mujoco.MjModel`, where there is one already.
+
     Returns:
         The posture; None of a robot that is held to the world or has no feet.
     """
     link = torso_of(robot)
-    if link is None or not limbs_of(robot).feet:
+    if link is None:
         return None
-    legs = _Legs(robot, link)
+    model = spec_of(robot).compile() if model is None else model
+    if not limbs_of(robot, model).feet:
+        return None
+    legs = _Legs(robot, model, link)
     described = legs.settled(legs.within(legs.model.qpos0.copy()))
     computed = not robot.loops and not legs.stands(described)
     chosen = legs.settled(legs.bent()) if computed else described
@@ -85,9 +103,8 @@ def standing(robot: Robot) -> Standing | None:
 class _Legs:
     """The legs of a robot, and poses in which it stands on them."""
 
-    def __init__(self, robot: Robot, link: str) -> None:
+    def __init__(self, robot: Robot, model: Any, link: str) -> None:
         self.robot, self.link = robot, link
-        model: Any = spec_of(robot).compile()
         self.model, self.data = model, mujoco.MjData(model)
         limbs, driven = limbs_of(robot, model).feet, set(robot.driven)
         self.legs = [
@@ -205,8 +222,10 @@ class _Legs:
             best = min(best, (float(result.cost), result.x), key=lambda each: each[0])
             if best[0] < GOOD or same:
                 break
-        # To a tenth of a milliradian, which reads better and stands as well.
-        base[self.places] = np.round(best[1], 4)
+        # To a milliradian, which reads better and stands as well.
+        value = np.round(best[1], 3)
+        moved = np.abs(value - base[self.places]) > LEAST
+        base[self.places] = np.where(moved, value, base[self.places])
         return base
 
     def _faults(self, value: Array, base: Array) -> Array:

@@ -43,8 +43,13 @@ def holding_efforts(
     from scipy.optimize import linprog
 
     data.qvel[:] = 0.0
-    mujoco.mj_forward(model, data)
-    needed = data.qfrc_bias - data.qfrc_passive
+    for stage in (mujoco.mj_kinematics, mujoco.mj_comPos, mujoco.mj_tendon):
+        stage(model, data)
+    mujoco.mj_comVel(model, data)
+    mujoco.mj_passive(model, data)
+    needed: Array = np.zeros(model.nv)
+    mujoco.mj_rne(model, data, 0, needed)
+    needed -= data.qfrc_passive
     lift = np.concatenate([_forces(model, data, sole) for sole in soles]).T
     motors = [
         (each.name, int(model.joint(each.joint).dofadr[0]), each.limit or MOST)

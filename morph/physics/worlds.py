@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import difflib
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 from morph.body.fulltext import fulltext
+from morph.body.postures import posture_of
 from morph.body.robot import Robot
 from morph.body.spec import bare_spec
 from morph.errors import EffectError
@@ -33,6 +35,17 @@ class World:
 def world_names() -> tuple[str, ...]:
     """Return the names of all worlds."""
     return (*WATERS, *(floor.name for floor in SURFACES))
+
+
+def is_floor(name: str) -> bool:
+    """Return whether a world is a floor."""
+    return name in {floor.name for floor in SURFACES}
+
+
+def start_in(robot: Robot, name: str | None) -> Mapping[str, float]:
+    """Return where a robot starts in a world: on a floor, or if one was given, in its posture."""
+    floor = name is not None and is_floor(name)
+    return posture_of(robot) if floor or robot.posture is not None else {}
 
 
 def on_floor(robot: Robot, name: str) -> Robot:

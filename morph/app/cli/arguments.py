@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 
 import tyro
 
-from morph.app.cli.options import Base, File, Folder, Horizon, Many, Name, Names, unset
+from morph.app.cli.options import Base, File, Folder, Horizon, Many, Name, Names, Posture, unset
 
 BUDGET = 600.0
 """Seconds that a diagnosis may take if nothing else is given."""
@@ -153,59 +153,6 @@ class Convert:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Simulate:
-    """Let a robot move under effects, and record, film or show what it does.
-
-    Example: morph simulate pendulum --start hinge=1 --effect viscous_friction@hinge:b=0.1
-    --out run.parquet --video run.mp4
-    """
-
-    robot: Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="ROBOT")]
-    """A description (URDF, xacro, MJCF, assembly.toml), a robot folder, or a name on the shelf."""
-    policy: Annotated[str | None, unset("DIR")] = None
-    """Folder of the policy that commands its actuators; without one they are told zero."""
-    effect: Annotated[Many, unset("NAME@WHERE:PARAM=VALUE,...")] = ()
-    """Physics that acts on it, as `morph list effects` names it; may be repeated."""
-    effects: Annotated[str | None, unset("TOML")] = None
-    """File of effects, such as the corrected.toml of a diagnosis."""
-    world: Name = None
-    """Where it moves: water, salt_water, hard_floor, rubber_on_wood, pla_on_carpet."""
-    seconds: float = 5.0
-    """How long it moves."""
-    step: float = 0.002
-    """Seconds a step; less where the simulation is stiff."""
-    integrator: Annotated[Literal["implicitfast", "rk4"] | None, unset("{implicitfast,rk4}")] = None
-    """How it steps; by default rk4 for what swims freely, else implicitfast."""
-    noise: Annotated[float, tyro.conf.arg(metavar="SIGMA")] = 0.0
-    """Standard deviation of the noise of recorded positions and orientations, rad or m; with it
-    velocities are not recorded."""
-    start: Annotated[Many, unset("NAME=VALUE")] = ()
-    """Where it starts: JOINT=0.5 (rad or m), hull.position.z=1; may be repeated."""
-    speed: Annotated[Many, unset("NAME=VALUE")] = ()
-    """How fast: JOINT=2 (per s), hull.linear_velocity.x=0.5; may be repeated."""
-    command: Annotated[Many, unset("NAME=VALUE")] = ()
-    """What an actuator is told all along, in its own unit; may be repeated."""
-    commands: Annotated[Path | None, unset("FILE")] = None
-    """Recording whose commands it is told from its start on, such as a run of `morph excite`."""
-    only: Name = None
-    """Name of the episode of --commands, where these hold several."""
-    out: File = None
-    """Recording to write: .parquet, .csv, .csv.gz or .npz."""
-    video: File = None
-    """Film to write: .mp4 or .gif."""
-    view: bool = False
-    """Show it in the browser, until interrupted."""
-    base: Base = None
-    """How it stands in the world, where the description does not say."""
-    folder: Folder = None
-    """Folder outside which nothing is read; by default the description's own."""
-    json: bool = False
-    """Print a summary as JSON, by the schema morph.simulation/1."""
-    quiet: bool = False
-    """Show no progress."""
-
-
-@dataclass(frozen=True, kw_only=True)
 class Learn:
     """Learn a policy for a task, and report how it was found and how good it is.
 
@@ -223,6 +170,8 @@ class Learn:
     """Folder for the policy, report.html, record.json and the state of the search."""
     search: Name = None
     """A name from `morph list searches`; by default one that suits the task."""
+    posture: Posture = None
+    """Where it stands at first, of tasks on a floor: as `morph simulate --posture`."""
     trials: Annotated[int | None, unset("N")] = None
     """Most trials, generations or rounds; by default the search's own number."""
     seed: int = 0

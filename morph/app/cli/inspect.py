@@ -9,20 +9,17 @@ from typing import TYPE_CHECKING
 
 from morph.app.cli.arguments import Inspect
 from morph.app.cli.console import TIE, harmless, paragraph, say, table, width
+from morph.app.cli.limbs_text import limbs_text, many, shown
 
 if TYPE_CHECKING:
     from morph.body.finding import DescriptionFinding
     from morph.body.inspect import Inspection
-    from morph.body.limbs import Limbs
     from morph.body.robot import Actuator, Joint, Robot
 
 OK, UNUSABLE = 0, 2
 
 PLACES = 8
 """Places of one finding that are named before the rest is counted."""
-
-LONGEST_NAME = 120
-"""Letters of a name that are shown; JSON has it whole."""
 
 MEANS = {
     "ok": "nothing was changed",
@@ -70,8 +67,9 @@ def _show(result: Inspection) -> None:
         for part in (_links, _joints, _others, _chains):
             head, *rows = part(result.robot, columns) or [""]
             lines += [(head, "bold"), *_plain(rows), ("", "")] if head else []
-        if rest := [*_limbs(result.limbs, columns), *_sensors(result.robot, columns)]:
-            lines += _plain([*rest, ""])
+        rest = [line for said in limbs_text(result) for line in paragraph(said, 2, columns)]
+        rest += _sensors(result.robot, columns)
+        lines += _plain([*rest, ""]) if rest else []
     for group in _grouped(result.findings):
         lines += _group(group, columns)
     say([*lines, *_plain(paragraph(_closing(result), 2, columns))])
@@ -84,7 +82,7 @@ def _closing(result: Inspection) -> str:
         if (number := sum(each.severity == severity for each in result.findings))
     ]
     given = f" ({', '.join(counts)})" if counts else ""
-    return f"{_name(result.name)}: {result.verdict}, {MEANS[result.verdict]}{given}"
+    return f"{shown(result.name)}: {result.verdict}, {MEANS[result.verdict]}{given}"
 
 
 def _plain(lines: Iterable[str]) -> Lines:
@@ -94,13 +92,13 @@ def _plain(lines: Iterable[str]) -> Lines:
 def _head(result: Inspection, robot: Robot) -> list[str]:
     x, y, z = (_rounded(value) for value in result.com or ())
     counted = (
-        _many(len(robot.links), "link", "links"),
-        _many(len(robot.joints), "joint", "joints"),
-        _many(result.dof, "degree of freedom", "degrees of freedom"),
+        many(len(robot.links), "link", "links"),
+        many(len(robot.joints), "joint", "joints"),
+        many(result.dof, "degree of freedom", "degrees of freedom"),
     )
-    lines = [f"{_name(result.name)}: {robot.mass:.6g} kg, " + ", ".join(counted)]
+    lines = [f"{shown(result.name)}: {robot.mass:.6g} kg, " + ", ".join(counted)]
     if robot.loops:
-        lines[0] += f" before {_many(len(robot.loops), 'closed chain', 'closed chains')}"
+        lines[0] += f" before {many(len(robot.loops), 'closed chain', 'closed chains')}"
     if robot.source is not None:
         lines.append(f"  read from {harmless(str(robot.source))}")
     lines.append(f"  centre of mass at home ({x}, {y}, {z}) m, reach {result.reach:.3g} m")
@@ -108,14 +106,6 @@ def _head(result: Inspection, robot: Robot) -> list[str]:
     if len(sources) == 1:
         lines.append(f"  inertias {SOURCES[sources.pop()]}")
     return [*filter(None, lines), ""]
-
-
-def _name(text: str) -> str:
-    return harmless(text, LONGEST_NAME)
-
-
-def _many(number: int, one: str, more: str) -> str:
-    return f"{number} {one if number == 1 else more}"
 
 
 def _rounded(value: float) -> str:
@@ -127,8 +117,8 @@ def _links(robot: Robot, columns: int | None) -> list[str]:
     sources = {link.inertia_from for link in robot.links if link.mass}
     rows = [
         (
-            _name(link.name),
-            _name(link.parent),
+            shown(link.name),
+            shown(link.parent),
             f"{link.mass:.4g}",
             link.inertia_from if len(sources) > 1 else "",
             _tally(link.shapes, "visual"),
@@ -144,9 +134,9 @@ def _joints(robot: Robot, columns: int | None) -> list[str]:
     drives = {actuator.joint: actuator for actuator in robot.actuators}
     rows = [
         (
-            _name(joint.name),
+            shown(joint.name),
             joint.kind,
-            _name(joint.link),
+            shown(joint.link),
             _range(joint),
             _drive(joint, drives.get(joint.name)),
             "" if joint.velocity is None else f"{joint.velocity:.4g} {joint.unit}/s",
@@ -162,8 +152,8 @@ def _joints(robot: Robot, columns: int | None) -> list[str]:
 def _others(robot: Robot, columns: int | None) -> list[str]:
     rows = [
         (
-            _name(each.name),
-            _name(each.part),
+            shown(each.name),
+            shown(each.part),
             "" if each.limit is None else f"{each.limit:.4g} {each.effort_unit}",
         )
         for each in robot.actuators
@@ -181,11 +171,11 @@ def _range(joint: Joint) -> str:
 
 def _drive(joint: Joint, actuator: Actuator | None) -> str:
     if joint.mimic is not None:
-        return f"follows {_name(joint.mimic.joint)}"
+        return f"follows {shown(joint.mimic.joint)}"
     if actuator is None:
         return ""
     kind = {"position": "servo"}.get(actuator.kind, actuator.kind)
-    kind += "" if actuator.name == joint.name else f" {_name(actuator.name)}"
+    kind += "" if actuator.name == joint.name else f" {shown(actuator.name)}"
     return kind if actuator.limit is None else f"{kind} {actuator.limit:.4g} {joint.effort_unit}"
 
 
@@ -193,30 +183,14 @@ def _chains(robot: Robot, columns: int | None) -> list[str]:
     held = {"connect": "pinned", "weld": "welded"}
     rows = [
         (
-            _name(loop.name),
-            _name(loop.links[0]),
+            shown(loop.name),
+            shown(loop.links[0]),
             held.get(loop.kind, loop.kind),
-            _name(loop.links[1]),
+            shown(loop.links[1]),
         )
         for loop in robot.loops
     ]
     return table(("closed chain", "link", "is", "to"), rows, columns=columns) if rows else []
-
-
-def _limbs(result: Limbs | None, columns: int | None) -> list[str]:
-    """Return the limbs, those of as many joints together, and how many joints mirror others."""
-    if result is None or not result.limbs:
-        return []
-    alike: dict[tuple[bool, int], list[str]] = {}
-    for limb in result.limbs:
-        alike.setdefault((limb.foot, len(limb.joints)), []).append(_name(limb.end))
-    parts = []
-    for (foot, count), ends in alike.items():
-        counted = _many(len(ends), *(("foot", "feet") if foot else ("limb", "limbs")))
-        parts.append(f"{counted} of {_many(count, 'joint', 'joints')}: {', '.join(ends)}")
-    if result.twins:
-        parts.append(f"{_many(len(result.twins), 'joint has', 'joints have')} mirror images")
-    return paragraph("; ".join(parts), 2, columns)
 
 
 def _sensors(robot: Robot, columns: int | None) -> list[str]:
@@ -286,4 +260,4 @@ def _place(finding: DescriptionFinding) -> str:
     if where.kind == "file":
         return f"{where.file}:{where.line}" if where.line else where.file
     line = f"{TIE}(line{TIE}{where.line})" if where.line else ""
-    return f"{where.kind} {_name(where.name)}{line}"
+    return f"{where.kind} {shown(where.name)}{line}"

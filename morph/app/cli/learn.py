@@ -73,10 +73,12 @@ def _task(options: Learn) -> Task:
     """Return the task in the world and under the effects that are asked for."""
     from morph.app.cli.effects import asked_effects
     from morph.body.load import load
+    from morph.body.postures import postured
     from morph.physics.worlds import world
     from morph.task.tasks import task
 
     robot = load(options.robot, base=options.base, folder=options.folder)
+    robot = postured(robot, options.posture)
     result = task(options.task, robot)
     around = result.effects if options.world is None else world(options.world, robot).effects
     file = None if options.effects is None else Path(options.effects)
@@ -235,6 +237,7 @@ def _shared(options: Learn) -> dict[str, object]:
         "--effect": options.effect,
         "--base": options.base,
         "--folder": options.folder,
+        "--posture": options.posture,
     }
 
 
@@ -254,11 +257,15 @@ def _command(options: Learn, search: Search) -> str:
 
 def _see(options: Learn, task: Task) -> str:
     """Return the command that shows the policy at work."""
+    from morph.physics.worlds import start_in
+
+    usual = start_in(task.robot, task.world)
+    position = {k: v for k, v in task.start.position.items() if usual.get(k) != v}
     known = {
         "--policy": f"{options.out}/policy",
         "--world": task.world,
         **_shared(options),
-        "--start": tuple(f"{name}={value:.6g}" for name, value in task.start.position.items()),
+        "--start": tuple(f"{name}={value:.6g}" for name, value in position.items()),
         "--speed": tuple(f"{name}={value:.6g}" for name, value in task.start.speed.items()),
         "--seconds": f"{task.horizon:g}",
         "--step": f"{task.step:g}",

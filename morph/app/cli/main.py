@@ -23,11 +23,11 @@ from morph.app.cli.arguments import (
     Learn,
     List,
     Loop,
-    Simulate,
 )
 from morph.app.cli.console import harmless
 from morph.app.cli.excite_arguments import Excite
 from morph.app.cli.print_arguments import Print
+from morph.app.cli.simulate_arguments import Simulate
 from morph.app.cli.study_arguments import Study
 from morph.app.cli.view_arguments import ViewCommand
 from morph.app.cli.weigh_arguments import Weigh

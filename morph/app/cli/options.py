@@ -31,6 +31,8 @@ Seconds = Annotated[float | None, unset("SECONDS")]
 """A time."""
 Horizon = Annotated[str, tyro.conf.arg(metavar="SECONDS|full")]
 """How long rollouts are."""
+Posture = Annotated[str | None, unset("NAME|FILE")]
+"""Where a robot starts."""
 Base = Annotated[Literal["fixed", "floating", "board"] | None, unset("{fixed,floating,board}")]
 """How a robot stands in the world."""
 

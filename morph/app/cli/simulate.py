@@ -13,7 +13,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from morph.app.cli.arguments import Simulate
+from morph.app.cli.simulate_arguments import Simulate
 from morph.errors import MorphError, OutputError, SimulationFailed
 from morph.extras import require
 
@@ -39,9 +39,13 @@ def run_simulate(options: Simulate) -> int:
     start, speed = _pairs("--start", options.start), _pairs("--speed", options.speed)
     from morph.app.cli.effects import asked_effects
     from morph.body.load import load
+    from morph.body.postures import postured
+    from morph.physics.worlds import start_in
     from morph.sim.simulator import Simulator
 
     robot = load(options.robot, base=options.base, folder=options.folder)
+    robot = postured(robot, options.posture)
+    start = {**start_in(robot, options.world), **start}
     file = None if options.effects is None else Path(options.effects)
     world = _world(options, robot)
     around = () if world is None else world.effects

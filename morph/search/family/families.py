@@ -8,7 +8,7 @@ import numpy as np
 
 from morph.body.limbs import torso_of
 from morph.body.roles import actuator_roles
-from morph.physics.contact.presets import SURFACES
+from morph.physics.worlds import is_floor
 from morph.search.family.family import Family
 from morph.search.family.follow import follow
 from morph.search.family.gait import gait
@@ -20,9 +20,6 @@ from morph.task.task import Task
 from morph.task.torso import legs_of
 from morph.task.track import Course
 
-FLOORS = {each.name for each in SURFACES}
-"""Worlds in which a body with motors must hold itself up while it walks."""
-
 MOST_ROLES = 6
 """Most roles that swing in a gait; of a body with more, such as a person, the legs alone do."""
 
@@ -30,7 +27,7 @@ MOST_ROLES = 6
 def _gait(task: Task) -> Family:
     robot = task.robot
     motors = all(each.kind == "motor" for each in robot.actuators)
-    if motors and task.world in FLOORS:
+    if motors and is_floor(task.world or ""):
         return stride(robot, task.start.position, seconds=task.horizon, period=task.period)
     roles, walking = actuator_roles(robot), None
     if len({role.order for role in roles.values()}) > MOST_ROLES:

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 import morph.app.cli.simulate
-from morph.app.cli.arguments import Simulate
 from morph.app.cli.main import main
+from morph.app.cli.simulate_arguments import Simulate
 from morph.body.load import load
 from morph.physics.joint.coulomb_friction import CoulombFriction
 from morph.physics.joint.viscous_friction import ViscousFriction
