@@ -85,7 +85,7 @@ def torso_of(robot: Robot) -> str | None:
         while link in parent and link not in loose:
             link = parent[link]
         carrying.add(link)
-    own = [link for link in loose if link in carrying] or loose
+    own = [link for link in loose if link in carrying] if held else loose
     return own[-1] if own else None
 
 

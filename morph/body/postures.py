@@ -11,7 +11,7 @@ from typing import Any
 from morph.body.limbs import HINGE, SLIDE
 from morph.body.robot import Robot
 from morph.body.spec import spec_of
-from morph.body.standing import standing
+from morph.body.standing import raised, standing
 from morph.errors import RobotError
 from morph.nearest import nearest
 from morph.toml_file import load_toml
@@ -89,7 +89,7 @@ def posture_of(robot: Robot) -> Mapping[str, float]:
     """Return where tasks on a floor start, by joint, rad or m, and by channel of the base.
 
     It is the posture that the robot was given (`postured`), else the keyframe of a usual name,
-    else on its feet, else as it is described.
+    else on its feet, else as it is described, raised out of the floor.
     """
     if robot.posture is not None:
         return robot.posture
@@ -98,7 +98,7 @@ def posture_of(robot: Robot) -> Mapping[str, float]:
     if usual is not None:
         return known[usual]
     found = standing(robot)
-    return {} if found is None else found.position
+    return raised(robot) if found is None else found.position
 
 
 def _read(path: Path) -> dict[str, float]:

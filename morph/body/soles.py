@@ -5,13 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import product
 from typing import Any
 
-import mujoco
 import numpy as np
 
 from morph.arrays import Array
+from morph.body.surface import surface
 
 LEAST = 0.02
 """Share of the size of a foot, above its lowest point, that belongs to its sole."""
@@ -69,7 +68,7 @@ def sole_of(model: Any, data: Any, body: int, leg: Sequence[int] = ()) -> Sole:
     """
     whole = np.flatnonzero(model.body_weldid[model.geom_bodyid] == model.body_weldid[body])
     solid = [at for at in whole if model.geom_contype[at] or model.geom_conaffinity[at]]
-    points = [_surface(model, data, int(at)) for at in (solid or whole)]
+    points = [surface(model, data, int(at)) for at in (solid or whole)]
     every = np.concatenate(points) if points else np.array([[*data.xipos[body], 0.0]])
     height = every[:, 2] - every[:, 3]
     if leg and _is_shank(every[:, :3], data.xanchor[list(leg)]):
@@ -92,27 +91,3 @@ def _is_shank(points: Array, joints: Array) -> bool:
     far = float(np.linalg.norm(points - joints[-1], axis=1).max())
     whole = float(np.linalg.norm(np.diff(joints, axis=0), axis=1).sum()) + far
     return bool(far > SHANK * whole and not END < share < 1.0 - END)
-
-
-def _surface(model: Any, data: Any, geom: int) -> Array:
-    """Return points of a shape in the world and a radius about each, m, shape (points, 4)."""
-    kind, size = int(model.geom_type[geom]), model.geom_size[geom]
-    turn, place = data.geom_xmat[geom].reshape(3, 3), data.geom_xpos[geom]
-    kinds = mujoco.mjtGeom
-    radius = 0.0
-    if kind == kinds.mjGEOM_SPHERE:
-        own, radius = np.zeros((1, 3)), float(size[0])
-    elif kind == kinds.mjGEOM_CAPSULE:
-        own, radius = np.array([[0.0, 0.0, size[1]], [0.0, 0.0, -size[1]]]), float(size[0])
-    elif kind == kinds.mjGEOM_CYLINDER:
-        angle = np.linspace(0.0, 2.0 * math.pi, 16, endpoint=False)
-        ring = size[0] * np.column_stack([np.cos(angle), np.sin(angle)])
-        own = np.array([[*each, z] for z in (size[1], -size[1]) for each in ring])
-    elif kind == kinds.mjGEOM_MESH:
-        mesh = int(model.geom_dataid[geom])
-        first = int(model.mesh_vertadr[mesh])
-        own = np.array(model.mesh_vert[first : first + int(model.mesh_vertnum[mesh])], float)
-    else:
-        middle, half = np.split(model.geom_aabb[geom], 2)
-        own = middle + half * np.array(list(product((1.0, -1.0), repeat=3)))
-    return np.column_stack([own @ turn.T + place, np.full(len(own), radius)])

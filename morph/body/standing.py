@@ -18,6 +18,7 @@ from morph.body.roles import joint_roles
 from morph.body.soles import sole_of
 from morph.body.spec import spec_of
 from morph.body.support import beyond_limits, holding_efforts
+from morph.body.surface import UPRIGHT, height_of, lowest_of
 
 BENT = 0.3
 """How far from its limits a joint of a leg is kept, rad, where there is room."""
@@ -36,6 +37,8 @@ GOOD, FAIR, SAME = 3e-3, 0.06, 0.05
 either if two led to one posture; and the share by which the faults of such two differ."""
 LEAST = 0.003
 """Least change of a joint from its description, rad or m."""
+WHEEL = (-0.7, 0.0, 0.7)
+"""How far a foot is turned to see whether it is a wheel, rad."""
 TURNS = 50
 """Most poses from which one search goes on."""
 
@@ -88,11 +91,11 @@ def standing(robot: Robot, model: Any = None) -> Standing | None:
         return None
     legs = _Legs(robot, model, link)
     described = legs.settled(legs.within(legs.model.qpos0.copy()))
-    computed = not robot.loops and not legs.stands(described)
+    computed = not robot.loops and not legs.rolls() and not legs.stands(described)
     chosen = legs.settled(legs.bent()) if computed else described
     effort = legs.held(chosen)
     return Standing(
-        position=legs.told(chosen),
+        position=_told(robot, model, chosen),
         effort=effort or {},
         lacking=beyond_limits(robot, effort or {}),
         balanced=effort is not None,
@@ -158,27 +161,29 @@ class _Legs:
         return pose
 
     def settled(self, pose: Array) -> Array:
-        """Return a pose with the base as high as its lowest sole asks, a floor at 0."""
-        self._at(pose)
-        low = float(self._touch()[:, 2].min())
+        """Return a pose with the base as high as its lowest point asks, a floor at 0."""
+        trunk = int(self.model.body(self.link).id)
+        lowest = lowest_of(self.model, self._at(pose), trunk)
+        low = float(self._touch()[:, 2].min()) if lowest is None else lowest
         if abs(low) > LEVEL * self.size:
-            place, upwards = self._height()
-            pose[place] -= low / upwards
+            found = height_of(self.model, self.data, trunk)
+            if found is not None:
+                place, upwards = found
+                pose[place] -= low / upwards
         return pose
 
-    def _height(self) -> tuple[int, float]:
-        """Return where in `qpos` the base's height is, and how much it lifts the base."""
-        model = self.model
-        base = model.body(self.link).id
-        first = int(model.body_jntadr[base])
-        for at in range(first, first + int(model.body_jntnum[base])):
-            if model.jnt_type[at] == mujoco.mjtJoint.mjJNT_FREE:
-                return int(model.jnt_qposadr[at]) + 2, 1.0
-            upwards = float(self.data.xaxis[at, 2])
-            if model.jnt_type[at] == SLIDE and abs(upwards) > 0.9:
-                return int(model.jnt_qposadr[at]), upwards
-        # It slides on a level, and is as high as it is.
-        return 0, math.inf
+    def rolls(self) -> bool:
+        """Return whether a foot is a wheel: it touches as low however its last joint is turned."""
+        for leg, sole in zip(self.legs, self.soles, strict=True):
+            lows = []
+            for turned in WHEEL if leg else ():
+                pose = self.model.qpos0.copy()
+                pose[self.model.jnt_qposadr[leg[-1]]] += turned
+                lows.append(lowest_of(self.model, self._at(pose), sole.body) or 0.0)
+            level = leg and abs(float(self.data.xaxis[leg[-1], 2])) < UPRIGHT
+            if level and np.ptp(lows) < LEVEL * self.size:
+                return True
+        return False
 
     def stands(self, pose: Array) -> bool:
         """Return whether a robot stands in a pose: all soles down, and held up by its motors."""
@@ -257,20 +262,37 @@ class _Legs:
             ]
         )
 
-    def told(self, pose: Array) -> dict[str, float]:
-        """Return a pose as simulations are told to start, without what is as described."""
-        model = self.model
-        result = {}
-        for joint in self.robot.joints:
-            place = int(model.joint(joint.name).qposadr[0])
-            name = joint.name
-            if joint.kind == "free":
-                name, place = f"{joint.link}.position.z", place + 2
-            elif joint.kind == "ball":
-                continue
-            if pose[place] != model.qpos0[place]:
-                result[name] = round(float(pose[place]), 5) + 0.0
-        return result
+
+def _told(robot: Robot, model: Any, pose: Array) -> dict[str, float]:
+    """Return a pose as simulations are told to start, without what is as described."""
+    result = {}
+    for joint in robot.joints:
+        place = int(model.joint(joint.name).qposadr[0])
+        name = joint.name
+        if joint.kind == "free":
+            name, place = f"{joint.link}.position.z", place + 2
+        elif joint.kind == "ball":
+            continue
+        if pose[place] != model.qpos0[place]:
+            result[name] = round(float(pose[place]), 5) + 0.0
+    return result
+
+
+def raised(robot: Robot) -> dict[str, float]:
+    """Return where a robot without feet starts on a floor: as described, but not within it."""
+    link = torso_of(robot)
+    if link is None:
+        return {}
+    model: Any = spec_of(robot).compile()
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    body = int(model.body(link).id)
+    low, found = lowest_of(model, data, body), height_of(model, data, body)
+    if low is None or low >= 0.0 or found is None:
+        return {}
+    pose = model.qpos0.copy()
+    pose[found[0]] -= low / found[1]
+    return _told(robot, model, pose)
 
 
 def _length(row: Array) -> float:
