@@ -26,7 +26,7 @@ MOST_ROLES = 6
 
 def _gait(task: Task) -> Family:
     robot = task.robot
-    motors = all(each.kind == "motor" for each in robot.actuators)
+    motors = all(each.kind == "motor" and each.joint for each in robot.actuators)
     if motors and is_floor(task.world or ""):
         return stride(robot, task.start.position, seconds=task.horizon, period=task.period)
     roles, walking = actuator_roles(robot), None

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
+
+import numpy as np
 
 from morph.arrays import Array
 from morph.body.robot import Robot
@@ -144,11 +147,44 @@ def gait(
     )
 
 
+def room_about(
+    robot: Robot, posture: Mapping[str, float], widest: float
+) -> tuple[Array, tuple[Action, ...]]:
+    """Return where actuators hold a posture, and how far each may swing about that.
+
+    Args:
+        robot: The body.
+        posture: Where joints are between their swings, by name, rad or m; others are at zero.
+        widest: Farthest swing, rad or m.
+
+    Returns:
+        Positions, shape (actuators,), and bounds. What drives no joint, such as a tendon, swings
+        about zero as far as its commands go.
+    """
+    place, room = np.zeros(len(robot.actuators)), []
+    for at, (actuator, own) in enumerate(zip(robot.actuators, actions_of(robot), strict=True)):
+        if actuator.joint is None:
+            room.append(own)
+            continue
+        joint = robot.driven_by(actuator)
+        place[at] = rest = posture.get(joint.name, 0.0)
+        low, high = joint.limits or (-math.pi, math.pi)
+        room.append(
+            Action(
+                actuator=actuator.name,
+                unit=joint.unit,
+                low=float(max(low - rest, -widest)),
+                high=float(min(high - rest, widest)),
+            )
+        )
+    return place, tuple(room)
+
+
 def _turns(robot: Robot, those: list[tuple[Action, Role]]) -> bool:
     """Return whether those of one role are servos that may turn without end, front and rear."""
     servos = [robot.actuator(one.actuator) for one, _ in those]
     return (
-        all(each.kind == "position" for each in servos)
+        all(each.kind == "position" and each.joint for each in servos)
         and all(robot.driven_by(each).limits is None for each in servos)
         and len({role.place for _, role in those} - {None}) > 1
     )

@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-
-import numpy as np
 
 from morph.arrays import Array
 from morph.body.robot import Robot
 from morph.policy.pattern import Pattern
 from morph.policy.policy import Action, actions_of
 from morph.search.family.family import Family
-from morph.search.family.gait import Gait, gait
+from morph.search.family.gait import Gait, gait, room_about
 
 WIDEST = 0.3
 """Farthest that a set point swings from the posture, rad."""
@@ -58,18 +55,6 @@ def paces(
     Raises:
         SearchError: It has no actuator, or none of such a role.
     """
-    joints = [robot.driven_by(each) for each in robot.actuators]
-    place = np.array([posture.get(joint.name, 0.0) for joint in joints])
-    room = []
-    for actuator, joint, rest in zip(robot.actuators, joints, place, strict=True):
-        low, high = joint.limits or (-math.pi, math.pi)
-        room.append(
-            Action(
-                actuator=actuator.name,
-                unit=joint.unit,
-                low=float(max(low - rest, -WIDEST)),
-                high=float(min(high - rest, WIDEST)),
-            )
-        )
-    swung = gait(robot, period=period, roles=roles, action=tuple(room))
+    place, room = room_about(robot, posture, WIDEST)
+    swung = gait(robot, period=period, roles=roles, action=room)
     return Paces(numbers=swung.numbers, gait=swung, action=actions_of(robot), posture=place)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -14,7 +13,7 @@ from morph.policy.observing import observations_of
 from morph.policy.policy import Action, Observation, actions_of
 from morph.policy.track import Track
 from morph.search.family.family import Family, Number
-from morph.search.family.gait import Gait, gait
+from morph.search.family.gait import Gait, gait, room_about
 from morph.search.family.posture_policies import springs
 
 WIDEST = 0.6
@@ -65,19 +64,8 @@ def stride(robot: Robot, posture: Mapping[str, float], *, seconds: float, period
         SearchError: It has no actuator.
     """
     joints = [robot.driven_by(each) for each in robot.actuators]
-    place = np.array([posture.get(joint.name, 0.0) for joint in joints])
-    swings = []
-    for actuator, joint, rest in zip(robot.actuators, joints, place, strict=True):
-        low, high = joint.limits or (-math.pi, math.pi)
-        swings.append(
-            Action(
-                actuator=actuator.name,
-                unit=joint.unit,
-                low=max(low - rest, -WIDEST),
-                high=min(high - rest, WIDEST),
-            )
-        )
-    walked = gait(robot, period=period, action=tuple(swings))
+    place, room = room_about(robot, posture, WIDEST)
+    walked = gait(robot, period=period, action=room)
     channels = [f"{joint.name}.{rate}" for rate in ("position", "velocity") for joint in joints]
     numbers = [
         Number(name=name, low=low, high=high, start=start)
