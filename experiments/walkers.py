@@ -241,7 +241,7 @@ def _springs(task: Task, strides: Stride, values: Array) -> Told:
     q = [int(each.qposadr[0]) for each in joints]
     v = [int(each.dofadr[0]) for each in joints]
     limit = np.array([each.high for each in strides.action])
-    k = 10.0 ** values[-2] * limit
+    k = 10.0 ** values[-2] * strides.strength
     d = 10.0 ** values[-1] * k
 
     def told(position: Array, velocity: Array, point: Array) -> Array:

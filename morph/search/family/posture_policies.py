@@ -119,15 +119,14 @@ def hold(
     names = [each.joint or "" for each in driven]
     efforts = [float((carried or {}).get(name, 0.0)) for name in names]
     model: Any = spec_of(robot).compile()
-    weight = float(robot.mass * np.linalg.norm(model.opt.gravity) * _reach(model))
+    strong = strengths(robot, action)
     stiffness = [float(model.actuator(each.name).gainprm[0]) for each in driven]
     numbers: list[Number] = []
     for name in dict.fromkeys(role.name for role in sorted(roles, key=lambda role: role.order)):
         numbers.append(Number(name=f"{name} offset", low=-widest, high=widest, start=0.0))
         motors = [at for at, role in enumerate(roles) if role.name == name and sprung[at]]
         if motors:
-            limit = min(action[at].high for at in motors)
-            numbers += _spring(name, min(limit, weight) if weight > 0.0 else limit)
+            numbers += _spring(name, float(strong[motors].min()))
     held = [name for name, spring in zip(names, sprung, strict=True) if name and spring]
     channels = [f"{name}.{rate}" for rate in ("position", "velocity") for name in held]
     return Hold(
@@ -147,17 +146,23 @@ def hold(
     )
 
 
-def _reach(model: Any) -> float:
-    """Return how far a robot reaches as it is described, m."""
+def strengths(robot: Robot, action: tuple[Action, ...]) -> Array:
+    """Return the effort by which the spring of each motor is measured, N m or N.
+
+    It is the motor's limit, but no more than the robot's weight at the end of its reach: by the
+    limits that some descriptions state a motor could lift it many times over, and a spring as
+    stiff would shake at any control period.
+    """
+    model: Any = spec_of(robot).compile()
     data = mujoco.MjData(model)
     mujoco.mj_kinematics(model, data)
     mujoco.mj_comPos(model, data)
-    return JointTree(model, data).size
+    weight = robot.mass * float(np.linalg.norm(model.opt.gravity)) * JointTree(model, data).size
+    limits = np.array([each.high for each in action])
+    return np.minimum(limits, weight) if weight > 0.0 else limits
 
 
 def _spring(named: str, limit: float) -> list[Number]:
-    # Of a motor that could lift the robot at arm's length many times over, as some descriptions
-    # state, a spring by its limit would be far too stiff.
     return [
         Number(name=f"{named} {name}", low=low, high=high, start=start)
         for name, low, start, high in springs(limit)

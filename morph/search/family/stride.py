@@ -14,7 +14,7 @@ from morph.policy.policy import Action, Observation, actions_of
 from morph.policy.track import Track
 from morph.search.family.family import Family, Number
 from morph.search.family.gait import Gait, gait, room_about
-from morph.search.family.posture_policies import springs
+from morph.search.family.posture_policies import springs, strengths
 
 WIDEST = 0.6
 """Farthest that a set point swings from the posture, rad."""
@@ -22,7 +22,7 @@ WIDEST = 0.6
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Stride(Family):
-    """Trajectories u = k (p + g(t) - q) - d k v: g is a gait, and k is by each motor's limit."""
+    """Trajectories u = k (p + g(t) - q) - d k v: g is a gait, and k is by each motor's strength."""
 
     gait: Gait
     """What swings, in rad about the posture; its numbers are the first of this family's."""
@@ -32,6 +32,8 @@ class Stride(Family):
     """The positions of the motors' joints, and then their velocities."""
     posture: Array
     """p, where the joints are between their swings, rad, shape (actuators,)."""
+    strength: Array
+    """The effort by which each spring is measured, N m, shape (actuators,)."""
     seconds: float
     """How long a trajectory is, s; then it stands still."""
     period: float
@@ -45,7 +47,7 @@ class Stride(Family):
             self.period * np.arange(round(self.seconds / self.period) + 1), float
         )
         point = np.asarray(pattern.act(np.empty((len(time), 0)), time) + self.posture)
-        k = 10.0**stiffness * np.array([each.high for each in self.action])
+        k = 10.0**stiffness * self.strength
         gain = -np.hstack([np.diag(k), np.diag(10.0**damping * k)])
         return Track(
             nominal=np.hstack([point, np.zeros_like(point)]),
@@ -71,10 +73,12 @@ def stride(robot: Robot, posture: Mapping[str, float], *, seconds: float, period
         Number(name=name, low=low, high=high, start=start)
         for name, low, start, high in springs(1.0)
     ]
+    action = actions_of(robot)
     return Stride(
         numbers=(*walked.numbers, *numbers),
         gait=walked,
-        action=actions_of(robot),
+        action=action,
+        strength=strengths(robot, action),
         observation=observations_of(robot, tuple(channels)),
         posture=place,
         seconds=seconds,
