@@ -8,10 +8,14 @@ from math import isfinite
 from pathlib import Path
 from typing import Any
 
-from morph.body.limbs import HINGE, SLIDE
+import mujoco
+
+from morph.body.limbs import torso_of
 from morph.body.robot import Robot
 from morph.body.spec import spec_of
-from morph.body.standing import raised, standing
+from morph.body.standing import standing
+from morph.body.surface import height_of, lowest_of
+from morph.body.told import told
 from morph.errors import RobotError
 from morph.nearest import nearest
 from morph.toml_file import load_toml
@@ -32,22 +36,10 @@ def keyframes_of(robot: Robot, model: Any = None) -> dict[str, dict[str, float]]
         model: Its compiled `mujoco.MjModel`, where there is one already.
     """
     model = spec_of(robot).compile() if model is None else model
-    found = {}
-    for at in range(model.nkey):
-        told = {}
-        for joint in robot.joints:
-            where = model.joint(joint.name)
-            place, kind = int(where.qposadr[0]), int(where.type[0])
-            value = model.key_qpos[at]
-            if kind in (HINGE, SLIDE):
-                told[joint.name] = float(value[place])
-            elif joint.kind == "free":
-                names = ("position.x", "position.y", "position.z")
-                turns = tuple(f"orientation.{axis}" for axis in "wxyz")
-                for slot, name in enumerate((*names, *turns)):
-                    told[f"{joint.link}.{name}"] = float(value[place + slot])
-        found[model.key(at).name or f"keyframe {at + 1}"] = told
-    return found
+    return {
+        model.key(at).name or f"keyframe {at + 1}": told(robot, model, model.key_qpos[at])
+        for at in range(model.nkey)
+    }
 
 
 def postured(robot: Robot, posture: str | None) -> Robot:
@@ -98,7 +90,24 @@ def posture_of(robot: Robot) -> Mapping[str, float]:
     if usual is not None:
         return known[usual]
     found = standing(robot)
-    return raised(robot) if found is None else found.position
+    return _raised(robot) if found is None else found.position
+
+
+def _raised(robot: Robot) -> dict[str, float]:
+    """Return where a robot without feet starts: as described, but not within the floor."""
+    link = torso_of(robot)
+    if link is None:
+        return {}
+    model: Any = spec_of(robot).compile()
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    body = int(model.body(link).id)
+    low, found = lowest_of(model, data, body), height_of(model, data, body)
+    if low is None or low >= 0.0 or found is None:
+        return {}
+    pose = model.qpos0.copy()
+    pose[found[0]] -= low / found[1]
+    return told(robot, model, pose)
 
 
 def _read(path: Path) -> dict[str, float]:

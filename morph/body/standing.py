@@ -19,6 +19,7 @@ from morph.body.soles import sole_of
 from morph.body.spec import spec_of
 from morph.body.support import beyond_limits, holding_efforts
 from morph.body.surface import UPRIGHT, height_of, lowest_of
+from morph.body.told import told
 
 BENT = 0.3
 """How far from its limits a joint of a leg is kept, rad, where there is room."""
@@ -87,15 +88,15 @@ def standing(robot: Robot, model: Any = None) -> Standing | None:
     if link is None:
         return None
     model = spec_of(robot).compile() if model is None else model
-    if not limbs_of(robot, model).feet:
-        return None
     legs = _Legs(robot, model, link)
+    if not legs.soles:
+        return None
     described = legs.settled(legs.within(legs.model.qpos0.copy()))
     computed = not robot.loops and not legs.rolls() and not legs.stands(described)
     chosen = legs.settled(legs.bent()) if computed else described
     effort = legs.held(chosen)
     return Standing(
-        position=_told(robot, model, chosen),
+        position=told(robot, model, chosen),
         effort=effort or {},
         lacking=beyond_limits(robot, effort or {}),
         balanced=effort is not None,
@@ -109,7 +110,13 @@ class _Legs:
     def __init__(self, robot: Robot, model: Any, link: str) -> None:
         self.robot, self.link = robot, link
         self.model, self.data = model, mujoco.MjData(model)
-        limbs, driven = limbs_of(robot, model).feet, set(robot.driven)
+        driven, trunk = set(robot.driven), model.body(link).id
+        # The wheels of a board on which a robot rides are no feet of its own.
+        limbs = [
+            limb
+            for limb in limbs_of(robot, model).feet
+            if trunk in _above(model, model.body(limb.end).id)
+        ]
         self.legs = [
             [model.joint(name).id for name in limb.joints if name in driven] for limb in limbs
         ]
@@ -127,7 +134,7 @@ class _Legs:
         ]
         self.trunk = sole_of(model, data, model.body(link).id)
         self.turn = data.xmat[[sole.body for sole in self.soles]].copy()
-        self.place = self._touch()[:, :2]
+        self.place = self._touch()[:, :2] if self.soles else np.zeros((0, 2))
         self.size = max(JointTree(model, data).size, 1e-6)
         rows = [self._row(at) for at in range(len(self.legs))]
         self.straight = np.array([_length(row) for row in rows])
@@ -263,36 +270,13 @@ class _Legs:
         )
 
 
-def _told(robot: Robot, model: Any, pose: Array) -> dict[str, float]:
-    """Return a pose as simulations are told to start, without what is as described."""
-    result = {}
-    for joint in robot.joints:
-        place = int(model.joint(joint.name).qposadr[0])
-        name = joint.name
-        if joint.kind == "free":
-            name, place = f"{joint.link}.position.z", place + 2
-        elif joint.kind == "ball":
-            continue
-        if pose[place] != model.qpos0[place]:
-            result[name] = round(float(pose[place]), 5) + 0.0
-    return result
-
-
-def raised(robot: Robot) -> dict[str, float]:
-    """Return where a robot without feet starts on a floor: as described, but not within it."""
-    link = torso_of(robot)
-    if link is None:
-        return {}
-    model: Any = spec_of(robot).compile()
-    data = mujoco.MjData(model)
-    mujoco.mj_kinematics(model, data)
-    body = int(model.body(link).id)
-    low, found = lowest_of(model, data, body), height_of(model, data, body)
-    if low is None or low >= 0.0 or found is None:
-        return {}
-    pose = model.qpos0.copy()
-    pose[found[0]] -= low / found[1]
-    return _told(robot, model, pose)
+def _above(model: Any, body: int) -> set[int]:
+    """Return a link and the links that it hangs from."""
+    found = {body}
+    while body:
+        body = int(model.body_parentid[body])
+        found.add(body)
+    return found
 
 
 def _length(row: Array) -> float:
