@@ -241,6 +241,8 @@ def test_the_help_names_every_world() -> None:
 
 def test_a_start_within_the_floor_is_told(capsys: pytest.CaptureFixture[str]) -> None:
     asked = ("hexapod_swimmer", "--world", "hard_floor", "--seconds", "0.01")
-    assert "hull and floor 60 mm within each other" in " ".join(done(capsys, *asked).split())
-    content = json.loads(done(capsys, *asked, "--start", "hull.position.z=0.1", "--json"))
+    within = done(capsys, *asked, "--posture", "rest")
+    assert "hull and floor 60 mm within each other" in " ".join(within.split())
+    # By itself it starts on the floor.
+    content = json.loads(done(capsys, *asked, "--json"))
     assert content["notes"] == []
