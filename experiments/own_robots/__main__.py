@@ -47,6 +47,8 @@ def figures_of(rows: Sequence[JSON]) -> JSON:
         "cells": len(cells),
         "works": kinds["works"] / max(1, len(cells)),
         **{kind.replace(" ", "_"): kinds[kind] for kind in ("refused", "short", *FAILED)},
+        "stand_pushed": sum(bool(cell.get("pushed")) for _, cell in cells)
+        / max(1, of["stand"].total()),
         "fixes": len(fixed),
         "fixes_that_work": sum(kind in ("works", "short") for kind in fixed),
         **{

@@ -8,6 +8,7 @@ from pathlib import Path
 from experiments.own_robots.absurd import absurd_motion, absurd_policy
 from experiments.own_robots.applies import abilities
 from experiments.own_robots.outcome import Outcome, outcome
+from experiments.own_robots.pushed import stands_pushed
 from morph.arrays import JSON
 from morph.body import shelf
 from morph.body.load import load
@@ -119,6 +120,9 @@ def _judged(
         absurd = absurd_policy(each.record)
     each = replace(each, kind="absurd", message="; ".join(absurd)) if absurd else each
     learned = {"controls": each.record["controls"]} if command in LEARNED and each.record else {}
+    if command == "stand" and each.kind == "works":
+        policy, base = folder / command / "learned" / "policy", described[1] if described else None
+        learned["pushed"] = stands_pushed(path, policy, base=base, floor=FLOOR)
     return {
         **learned,
         "kind": each.kind,

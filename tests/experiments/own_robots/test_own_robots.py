@@ -13,7 +13,11 @@ from experiments.own_robots.absurd import absurd_motion, absurd_policy
 from experiments.own_robots.applies import abilities
 from experiments.own_robots.drawn import MASSES, drawn
 from experiments.own_robots.outcome import Outcome, outcome
+from experiments.own_robots.pushed import stands_pushed
+from morph.body import shelf
 from morph.body.load import load
+from morph.policy.pattern import Swing, pattern
+from morph.policy.store import write_policy
 from morph.record.write import write
 from morph.sim.simulator import Simulator
 
@@ -100,3 +104,16 @@ def test_what_becomes_of_a_command(
     words: list[str], seconds: float, kind: str, tmp_path: Path
 ) -> None:
     assert outcome(words, folder=tmp_path, seconds=seconds).kind == kind
+
+
+@pytest.mark.parametrize(("offset", "stands"), [(0.0, True), (1.2, False)])
+def test_a_robot_that_is_pushed_stays_on_its_feet_or_not(
+    offset: float, stands: bool, tmp_path: Path
+) -> None:
+    robot = load("quadruped_printed")
+    # All knees at 1.2 rad, its trunk comes down by more than a fifth.
+    knees = [each.name for each in robot.actuators if each.name.endswith("knee")]
+    swings = {name: Swing(offset=offset) for name in knees}
+    write_policy(pattern(robot, swings, period=0.02), tmp_path / "policy", robot)
+    path = shelf.find("quadruped_printed")
+    assert stands_pushed(path, tmp_path / "policy", base=None, floor="hard_floor") is stands
