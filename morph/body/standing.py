@@ -186,9 +186,10 @@ class _Legs:
             for turned in WHEEL if leg else ():
                 pose = self.model.qpos0.copy()
                 pose[self.model.jnt_qposadr[leg[-1]]] += turned
-                lows.append(lowest_of(self.model, self._at(pose), sole.body) or 0.0)
+                lows.append(lowest_of(self.model, self._at(pose), sole.body))
             level = leg and abs(float(self.data.xaxis[leg[-1], 2])) < UPRIGHT
-            if level and np.ptp(lows) < LEVEL * self.size:
+            known = [low for low in lows if low is not None]
+            if level and known and np.ptp(known) < LEVEL * self.size:
                 return True
         return False
 

@@ -145,3 +145,24 @@ def test_names_and_axes_change_no_posture(body: str | Path, seed: int, tmp_path:
     told = {names.get(name.partition(".")[0], name): abs(value) for name, value in other.items()}
     for name, value in one.items():
         assert told[name.partition(".")[0]] == pytest.approx(abs(value), abs=0.0021)
+
+
+WHEELED = """<mujoco model="cart"><worldbody><body name="cart" pos="0 0 0.3"><freejoint/>
+<geom type="box" size="0.3 0.2 0.05" mass="5"/>WHEELS</body></worldbody>
+<actuator>MOTORS</actuator></mujoco>"""
+
+
+def test_wheels_stay_as_they_are_described(tmp_path: Path) -> None:
+    places = [(x, y) for x in (0.2, -0.2) for y in (0.25, -0.25)]
+    wheels = "".join(
+        f'<body name="w{at}" pos="{x} {y} -0.05"><joint name="j{at}" axis="0 1 0"/>'
+        '<geom type="cylinder" size="0.1 0.02" zaxis="0 1 0" mass="0.3"/></body>'
+        for at, (x, y) in enumerate(places)
+    )
+    motors = "".join(f'<motor joint="j{at}" ctrlrange="-1 1"/>' for at in range(4))
+    text = WHEELED.replace("WHEELS", wheels).replace("MOTORS", motors)
+    (tmp_path / "cart.xml").write_text(text)
+    found = found_of(load(tmp_path / "cart.xml"))
+    # Its wheels end 0.15 m below its middle.
+    assert found.position == {"cart.position.z": pytest.approx(0.15)}
+    assert not found.computed
