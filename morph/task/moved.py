@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -66,7 +67,11 @@ class Moved:
         position = np.empty((len(rows), self.model.nbody, 3))
         rotation = np.empty((len(rows), self.model.nbody, 9))
         size = min(len(rows), MOST_AT_ONCE)
-        batch = Batch(self.model, size, batch_threads(size))
+        # Where links are asks for no contact, and finding contacts takes most of the time.
+        model = copy.copy(self.model)
+        for part in (mujoco.mjtDisableBit.mjDSBL_CONTACT, mujoco.mjtDisableBit.mjDSBL_CONSTRAINT):
+            model.opt.disableflags |= int(part)
+        batch = Batch(model, size, batch_threads(size))
         batch.reset(stage=mujoco.mjtStage.mjSTAGE_NONE.value)
         q, x, R = batch.bind("qpos"), batch.bind("xpos"), batch.bind("xmat")
         for first in range(0, len(rows), size):
