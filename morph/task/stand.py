@@ -6,12 +6,13 @@ from collections.abc import Mapping
 
 from morph.body.postures import posture_of
 from morph.body.robot import Robot
+from morph.errors import TaskError
 from morph.physics.worlds import world
 from morph.task.quantity import Direction, Point, Quantity
 from morph.task.start import Start
 from morph.task.task import Task
 from morph.task.term import Goal, Term
-from morph.task.torso import origin_of, torso
+from morph.task.torso import feet_of, origin_of, torso
 from morph.task.travel import effort_terms
 
 FLOOR = "hard_floor"
@@ -39,9 +40,15 @@ def stand(robot: Robot, *, name: str = "stand", horizon: float = 5.0) -> Task:
     It begins in the body's own posture (`morph.body.postures`).
 
     Raises:
-        TaskError: The body is held to the world, or has no actuator.
+        TaskError: The body is held to the world, has no feet, or has no actuator.
     """
     link = torso(robot, name)
+    if not feet_of(robot):
+        raise TaskError(
+            "it has no feet to stand on: no limb of it ends lowest",
+            where=f"task {name} of {robot.name}",
+            fix="ask it to walk or swim, or give a robot with legs, such as quadruped_printed",
+        )
     start = posture_of(robot)
     x, y, height = (float(each) for each in origin_of(robot, link, start))
     period = period_of(robot)
