@@ -61,6 +61,8 @@ class Limbs:
     that faces x or -y. None of a robot without sides."""
     twins: dict[str, str]
     """By joint its mirror image, its own where it lies on the plane; others have none."""
+    lying: bool = False
+    """Whether the trunk of a robot that moves freely is among its lowest parts."""
 
     @property
     def feet(self) -> tuple[KinematicChain, ...]:
@@ -106,7 +108,8 @@ def limbs_of(robot: Robot, model: Any = None) -> Limbs:
     height = max(tree.size, 1e-9)
     grounds = [min((tree.lowest(body) for body in range(1, model.nbody)), default=0.0)]
     trunk = torso_of(robot)
-    if trunk is not None and tree.lowest(model.body(trunk).id) - grounds[0] < LOW * height:
+    lying = trunk is not None and tree.lowest(model.body(trunk).id) - grounds[0] < LOW * height
+    if lying:
         # It lies on its trunk, as a snake does; an ant could stand.
         ends = [tree.lowest(int(model.jnt_bodyid[row[-1]])) for row in rows if len(row) > 1]
         many = sum(low - min(ends) < LOW * height for low in ends) >= MANY
@@ -133,6 +136,7 @@ def limbs_of(robot: Robot, model: Any = None) -> Limbs:
     return Limbs(
         limbs=tuple(found[at] for at in order),
         normal=normal,
+        lying=lying,
         twins={model.joint(one).name: model.joint(other).name for one, other in twins.items()},
     )
 

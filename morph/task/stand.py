@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from morph.body.limbs import limbs_of
 from morph.body.postures import posture_of
 from morph.body.robot import Robot
 from morph.errors import TaskError
@@ -12,7 +13,7 @@ from morph.task.quantity import Direction, Point, Quantity
 from morph.task.start import Start
 from morph.task.task import Task
 from morph.task.term import Goal, Term
-from morph.task.torso import feet_of, origin_of, torso
+from morph.task.torso import origin_of, torso
 from morph.task.travel import effort_terms
 
 FLOOR = "hard_floor"
@@ -43,9 +44,10 @@ def stand(robot: Robot, *, name: str = "stand", horizon: float = 5.0) -> Task:
         TaskError: The body is held to the world, has no feet, or has no actuator.
     """
     link = torso(robot, name)
-    if not feet_of(robot):
+    limbs = limbs_of(robot)
+    if limbs.lying and not limbs.feet:
         raise TaskError(
-            "it has no feet to stand on: no limb of it ends lowest",
+            "it has no feet to stand on: it lies on its trunk",
             where=f"task {name} of {robot.name}",
             fix="ask it to walk or swim, or give a robot with legs, such as quadruped_printed",
         )
