@@ -18,7 +18,7 @@ from morph.body.quiet import quiet
 from morph.body.refusal import about_file
 from morph.body.robot import Robot
 from morph.body.spec import spec_of
-from morph.body.standing import Standing, standing
+from morph.body.standing import StandingPosture, standing
 from morph.errors import DescriptionRefused, RobotError
 
 SCHEMA = "morph.inspection/1"
@@ -45,7 +45,7 @@ class Inspection:
     """Its limbs and their mirror images; None if there is no robot."""
     keyframes: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     """The postures that its description names."""
-    standing: Standing | None = None
+    standing: StandingPosture | None = None
     """How it stands on its feet; None if it has none."""
 
     @property

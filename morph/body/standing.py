@@ -45,7 +45,7 @@ TURNS = 50
 
 
 @dataclass(frozen=True, kw_only=True)
-class Standing:
+class StandingPosture:
     """A posture on all feet, and what it asks of the motors."""
 
     position: Mapping[str, float]
@@ -69,7 +69,7 @@ class Standing:
         }
 
 
-def standing(robot: Robot, model: Any = None) -> Standing | None:
+def standing(robot: Robot, model: Any = None) -> StandingPosture | None:
     """Return how a robot stands on its feet, upright on a level floor at height 0.
 
     A robot that stands as it is described, on level soles and held up by its motors, keeps its
@@ -95,7 +95,7 @@ def standing(robot: Robot, model: Any = None) -> Standing | None:
     computed = not robot.loops and not legs.rolls() and not legs.stands(described)
     chosen = legs.settled(legs.bent()) if computed else described
     effort = legs.held(chosen)
-    return Standing(
+    return StandingPosture(
         position=told(robot, model, chosen),
         effort=effort or {},
         lacking=beyond_limits(robot, effort or {}),

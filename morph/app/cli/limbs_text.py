@@ -9,7 +9,7 @@ from morph.app.cli.console import harmless
 if TYPE_CHECKING:
     from morph.body.inspect import Inspection
     from morph.body.robot import Robot
-    from morph.body.standing import Standing
+    from morph.body.standing import StandingPosture
 
 LONGEST_NAME = 120
 """Letters of a name that are shown; JSON has it whole."""
@@ -55,7 +55,7 @@ def _limbs(result: Inspection) -> list[str]:
     return ["; ".join(parts)]
 
 
-def _held(on_feet: Standing, robot: Robot) -> str:
+def _held(on_feet: StandingPosture, robot: Robot) -> str:
     if not on_feet.balanced:
         return "no forces at its feet balance it; it must step or be held"
     if not on_feet.lacking:

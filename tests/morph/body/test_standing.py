@@ -14,7 +14,7 @@ import pytest
 from morph.body.load import load
 from morph.body.robot import Robot
 from morph.body.spec import spec_of
-from morph.body.standing import Standing, standing
+from morph.body.standing import StandingPosture, standing
 from morph.sim.start import started
 from tests.morph.body.disguise import disguised
 
@@ -23,13 +23,13 @@ SHELF = ("humanoid", "quadruped_printed", "quadruped_four_bar", "biped", "hopper
 REAL = ("solo/resources/solo12.urdf", "urma_hexapod/hexapod.xml")
 
 
-def found_of(robot: Robot) -> Standing:
+def found_of(robot: Robot) -> StandingPosture:
     found = standing(robot)
     assert found is not None
     return found
 
 
-def placed(robot: Robot, found: Standing, *, margin: float = 0.0) -> tuple[Any, Any]:
+def placed(robot: Robot, found: StandingPosture, *, margin: float = 0.0) -> tuple[Any, Any]:
     """Return a robot in its posture above a floor at height 0, whose contacts begin at a margin."""
     spec = spec_of(robot)
     for geom in spec.worldbody.geoms:
@@ -44,7 +44,7 @@ def placed(robot: Robot, found: Standing, *, margin: float = 0.0) -> tuple[Any, 
     return model, data
 
 
-def check_placed(robot: Robot, found: Standing) -> None:
+def check_placed(robot: Robot, found: StandingPosture) -> None:
     """Check that the lowest contact is within 5 mm of the floor and no joint beyond its limits."""
     model, data = placed(robot, found, margin=0.05)
     gaps = [each.dist for each in data.contact[: data.ncon] if 0 in model.geom_bodyid[each.geom]]
@@ -57,7 +57,7 @@ def check_placed(robot: Robot, found: Standing) -> None:
         assert low - 1e-6 <= data.qpos[model.jnt_qposadr[at]] <= high + 1e-6
 
 
-def sunk(robot: Robot, found: Standing, seconds: float) -> float:
+def sunk(robot: Robot, found: StandingPosture, seconds: float) -> float:
     """Return how far a robot sinks that springs hold in its posture, in its height."""
     model, data = placed(robot, found)
     driven = [model.joint(name) for name in robot.driven]
