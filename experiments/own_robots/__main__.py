@@ -28,6 +28,7 @@ from morph.study.cell import cells_of
 
 EXAMPLE = """examples:
   python -m experiments.own_robots --only packaged/go1 drawn/drawn_3 --save-as out/two.json
+  python -m experiments.own_robots --commands inspect convert simulate --workers 2
   python -m experiments.own_robots --resume"""
 
 FAILED = ("bad message", "crash", "too long", "absurd")
@@ -92,6 +93,10 @@ def main(argv: list[str] | None = None) -> int:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("--only", nargs="+", help="these robots alone")
+    parser.add_argument(
+        "--commands", nargs="+", choices=COMMANDS, default=list(COMMANDS), metavar="NAME",
+        help="these columns alone: " + ", ".join(COMMANDS),
+    )  # fmt: skip
     parser.add_argument("--seeds", default="0:10", help="seeds of drawn robots: A:B, or how many")
     add_engine_options(parser, out="out/own_robots")
     asked, save = parse_and_save(parser, argv, module="experiments.own_robots")
@@ -111,7 +116,12 @@ def main(argv: list[str] | None = None) -> int:
         return 2
     out = str((beside / "written").resolve())
     cases = [
-        {"name": each.name, "path": str(each.path.resolve()), "out": out}
+        {
+            "name": each.name,
+            "path": str(each.path.resolve()),
+            "out": out,
+            "commands": asked.commands,
+        }
         for each in robots
         if not asked.only or each.name in asked.only
     ]

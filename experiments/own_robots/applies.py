@@ -46,7 +46,9 @@ class Abilities:
             else {"inspect", "convert", "simulate", "view"}
         )
         if self.driven:
-            able |= {"hold", "diagnose", "align"}
+            able |= {"diagnose", "align"}
+            # What floats holds a posture by standing in it.
+            able |= set() if self.floating else {"hold"}
         if self.feet >= 2 and self.carries:
             able |= {"stand", "walk"}
         if self.floating and self.feet < 2 and self.driven >= 2:

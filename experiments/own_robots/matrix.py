@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
 
@@ -30,13 +31,14 @@ LEARNED = ("hold", "stand", "walk", "reach")
 """Commands that learn a policy."""
 
 
-def row(name: str, path: str, out: str) -> JSON:
+def row(name: str, path: str, out: str, commands: Sequence[str] = COMMANDS) -> JSON:
     """Return what becomes of each command for one robot.
 
     Args:
         name: What the study calls it.
         path: Its description.
         out: Folder for what the commands write.
+        commands: Those that are run, where they apply; `diagnose` reads what `simulate` wrote.
     """
     folder = Path(out) / name
     robot, described = _robot(Path(path))
@@ -45,7 +47,7 @@ def row(name: str, path: str, out: str) -> JSON:
     swims = able is not None and able.floating and able.feet < 2
     results = {}
     for command in COMMANDS:
-        if command not in applicable:
+        if command not in applicable or command not in commands:
             continue
         words = _words(command, path, robot, swims=swims)
         each = outcome([*words, *described], folder=folder / command, seconds=SECONDS[command])

@@ -37,10 +37,10 @@ def test_a_drawn_robot_compiles_and_weighs_what_it_may(seed: int, tmp_path: Path
 @pytest.mark.parametrize(
     ("body", "feet", "arms", "learns"),
     [
-        ("quadruped_printed", 4, 0, {"hold", "stand", "walk"}),
-        ("humanoid", 2, 0, {"hold", "stand", "walk"}),
+        ("quadruped_printed", 4, 0, {"stand", "walk"}),
+        ("humanoid", 2, 0, {"stand", "walk"}),
         ("so101", 0, 1, {"hold", "reach"}),
-        ("sea_snake", 1, 0, {"hold", "walk"}),
+        ("sea_snake", 1, 0, {"walk"}),
     ],
 )
 def test_what_a_robot_can_do_follows_from_its_tree(
