@@ -37,8 +37,8 @@ class Leap(Quantity):
 
     def value(self, moved: Moved) -> Array:
         """Return the greatest height so far of the lowest link's origin, (..., samples, 1)."""
-        which = [moved.model.body(link).id for link in self.links]
-        lowest = moved.places.position[..., which, 2].min(axis=-1)
+        poses = [moved.pose(moved.model.body(link).id) for link in self.links]
+        lowest = np.min([pose.position[..., 2] for pose in poses], axis=0)
         return np.asarray(np.maximum.accumulate(lowest, axis=-1))[..., None]
 
 

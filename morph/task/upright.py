@@ -122,10 +122,12 @@ def upright(task: Task, *, carriers: tuple[str, ...] = ()) -> Upright:
 def _masses(moved: Moved, carriers: tuple[str, ...]) -> tuple[Array, Array]:
     """Return the carriers' middle and the centre of mass of the rest, (..., samples, 3) both."""
     model = moved.model
-    places = moved.places
     held = [model.body(name).id for name in carriers]
-    middle = places.position[..., held, :].mean(axis=-2)
+    middle = np.mean([moved.pose(body).position for body in held], axis=0)
     mass = model.body_mass.copy()
     mass[held] = 0.0
-    com = places.position + np.einsum("...bij,bj->...bi", places.rotation, model.body_ipos)
-    return middle, np.einsum("b,...bi->...i", mass / mass.sum(), com)
+    com = np.zeros_like(middle)
+    for body in np.flatnonzero(mass):
+        pose = moved.pose(int(body))
+        com += mass[body] * (pose.position + pose.rotation @ model.body_ipos[body])
+    return middle, com / mass.sum()

@@ -17,7 +17,6 @@ from morph.sim.drive import received
 from morph.sim.rollout import quiet
 from morph.sim.rows import Rows
 from morph.sim.threads import batch_threads
-from morph.task.moved import Places
 from morph.task.task import Task
 
 
@@ -47,7 +46,6 @@ class BatchPlant:
         self._batch.reset(stage=mujoco.mjtStage.mjSTAGE_NONE.value)
         self.position, self.velocity = self._batch.bind("qpos"), self._batch.bind("qvel")
         self._control = self._batch.bind("ctrl")
-        self._stage = mujoco.mjtStage.mjSTAGE_NONE.value
         self._each = round(task.period / task.step)
         effects = self._simulator.effects
         self._filtered = any(type(each).command is not Effect.command for each in effects)
@@ -64,11 +62,6 @@ class BatchPlant:
                     fix="leave it out",
                 )
 
-    def follow_links(self) -> None:
-        """Know from the next start on where every link is; it costs a little more time."""
-        self._stage = mujoco.mjtStage.mjSTAGE_POS.value
-        self._origin, self._axes = self._batch.bind("xpos"), self._batch.bind("xmat")
-
     @property
     def unstable(self) -> Mask:
         """Which simulations became unstable since they were started, shape (rows,)."""
@@ -79,15 +72,6 @@ class BatchPlant:
         ids = self._ids(rows)
         self._batch.reset(ids, stage=mujoco.mjtStage.mjSTAGE_NONE.value)
         self.position[rows], self.velocity[rows] = position, velocity
-        if self._stage != mujoco.mjtStage.mjSTAGE_NONE.value:
-            self._batch.forward(ids, stage=self._stage)
-
-    def places(self, rows: Integers) -> Places:
-        """Return where the links of some simulations are, as the one sample of each."""
-        return Places(
-            position=self._origin[rows][:, None],
-            rotation=self._axes[rows].reshape(len(rows), 1, -1, 3, 3),
-        )
 
     def advance(self, rows: Integers, period: Integers, command: Array) -> None:
         """Hold commands (rows, nu) for a control period, the so-manieth of each simulation.
@@ -101,12 +85,12 @@ class BatchPlant:
             with quiet():
                 if not self._acting and given.shape[-1] == 1:
                     self._control[rows] = given[..., 0]
-                    self._batch.step(ids, nstep=self._each, stage=self._stage)
+                    self._batch.step(ids, nstep=self._each)
                     return
                 for at in range(self._each):
                     self._control[rows] = given[..., min(at, given.shape[-1] - 1)]
                     self._seen.act(self._acting, [None] * len(self._acting))
-                    self._batch.step(ids, stage=self._stage)
+                    self._batch.step(ids)
         except SimulationError as error:
             raise SimulationFailed(
                 f"MuJoCo stopped: {error}",

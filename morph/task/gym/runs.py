@@ -68,19 +68,6 @@ class Runs:
         self._command = np.zeros((rows, model.nu))
         self._spent = np.zeros(rows)
         self._reached = np.ones(rows, dtype=bool)
-        self._placed = False
-        self._placed = self._looks_at_links()
-        if self._placed:
-            self._plant.follow_links()
-
-    def _looks_at_links(self) -> bool:
-        """Return whether any quantity asks where links are, seen at one sample."""
-        moved = self._moved(np.zeros(1, dtype=np.int64), 0)
-        for term in self.task.terms:
-            term.quantity.value(moved)
-        for goal in self.task.goals:
-            goal.quantity.value(moved)
-        return "places" in vars(moved)
 
     @property
     def sizes(self) -> tuple[int, int]:
@@ -175,7 +162,7 @@ class Runs:
 
     def _moved(self, rows: Integers, at: int) -> Moved:
         """Return the sample where some runs are, all of them at the same time."""
-        moved = Moved(
+        return Moved(
             robot=self.task.robot,
             model=self._plant.model,
             time=np.array([at * self.task.period]),
@@ -183,10 +170,6 @@ class Runs:
             velocity=self._plant.velocity[rows][:, None],
             command=self._command[rows][:, None],
         )
-        if self._placed:
-            # Its own would place every link again, in a batch made for this sample alone.
-            vars(moved)["places"] = self._plant.places(rows)
-        return moved
 
     def _finite(self, name: str, cost: Array) -> Array:
         if not np.isfinite(cost).all():

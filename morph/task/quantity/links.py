@@ -41,10 +41,8 @@ class Point(Quantity):
     def value(self, moved: Moved) -> Array:
         """Return the coordinates, shape (..., samples, axes)."""
         body = moved.model.body(self.link).id
-        places = moved.places
-        where = places.position[..., body, :] + places.rotation[..., body, :, :] @ np.array(
-            self.offset
-        )
+        pose = moved.pose(body)
+        where = pose.position + pose.rotation @ np.array(self.offset)
         return np.asarray(where[..., ["xyz".index(axis) for axis in self.axes]])
 
 
@@ -67,7 +65,7 @@ class Direction(Quantity):
     def value(self, moved: Moved) -> Array:
         """Return the vector in the world, shape (..., samples, 3)."""
         body = moved.model.body(self.link).id
-        return np.asarray(moved.places.rotation[..., body, :, :] @ np.array(self.axis))
+        return np.asarray(moved.pose(body).rotation @ np.array(self.axis))
 
 
 @dataclass(frozen=True, kw_only=True)

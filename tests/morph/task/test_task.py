@@ -78,24 +78,6 @@ def test_strict_looks_at_the_last_half_second_alone(
     assert bool(swing.succeeded(moved(swing, q))[0]) == succeeds
 
 
-def test_places_of_many_links_are_those_that_mujoco_gives_one_by_one() -> None:
-    import mujoco
-
-    about = task("balance", load("cart_three_links"))
-    model = about.simulator().model
-    q = np.random.default_rng(1).normal(size=(3, 4, 4))
-    places = moved(about, q).places
-    data = mujoco.MjData(model)
-    for row in range(3):
-        for sample in range(4):
-            data.qpos[:] = q[row, sample]
-            mujoco.mj_kinematics(model, data)
-            np.testing.assert_allclose(places.position[row, sample], data.xpos, atol=1e-14)
-            np.testing.assert_allclose(
-                places.rotation[row, sample].reshape(-1, 9), data.xmat, atol=1e-14
-            )
-
-
 def test_a_quadratic_term_is_half_the_squared_error_in_widths(swing: Task) -> None:
     term = Term(
         name="speed", quantity=JointSpeeds(joints=("hinge",)), target=(1.0,), width=2.0, weight=3.0
@@ -256,7 +238,7 @@ def test_how_a_link_leans_does_not_depend_on_which_way_its_hinges_count(
     q = np.array(list(about.start.position.values())) + rng.uniform(-0.5, 0.5, (50, 2))
     seen = moved(about, q[:, None])
     # The outer link, drawn downward in its own frame, points up where it stands.
-    up = -seen.places.rotation[:, 0, about.simulator().model.body("b").id, 2, 2]
+    up = -seen.pose(about.simulator().model.body("b").id).rotation[:, 0, 2, 2]
     lean = np.abs(about.goals[1].quantity.error(seen, about.goals[1].target))[:, 0, 0]
     np.testing.assert_allclose(np.cos(lean), up, atol=1e-9)
 
