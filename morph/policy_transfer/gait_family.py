@@ -62,15 +62,14 @@ def feet(moved: Moved, task: Task) -> Array:
 
     The pitch is that of the foot's long axis, x, over the torso's.
     """
-    model, places = moved.model, moved.places
-    trunk = model.body(torso(task.robot, task.name)).id
-    turned = np.swapaxes(places.rotation[..., trunk, :, :], -1, -2)
+    model = moved.model
+    trunk = moved.pose(model.body(torso(task.robot, task.name)).id)
+    turned = np.swapaxes(trunk.rotation, -1, -2)
     seen = []
     for name in feet_of(task.robot):
-        at = model.body(name).id
-        off = places.position[..., at, :] - places.position[..., trunk, :]
-        place = np.einsum("...ij,...j->...i", turned, off)
-        ahead = np.einsum("...ij,...j->...i", turned, places.rotation[..., at, :, 0])
+        foot = moved.pose(model.body(name).id)
+        place = np.einsum("...ij,...j->...i", turned, foot.position - trunk.position)
+        ahead = np.einsum("...ij,...j->...i", turned, foot.rotation[..., 0])
         pitch = np.arctan2(-ahead[..., 2], ahead[..., 0])
         seen += [place, pitch[..., None]]
     return np.concatenate(seen, axis=-1)

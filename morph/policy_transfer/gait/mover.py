@@ -94,14 +94,16 @@ class Mover:
             return np.array([each.act(seen, now) for each in policies])
 
         moved = self._run(act, len(policies))
-        share = np.asarray(self.simulator.model.body_mass)
-        places = moved.places
-        x = np.nan_to_num(np.einsum("rtbi,b->rti", places.position, share / share.sum()))
-        faces = np.nan_to_num(places.rotation[:, :, self._body, :, 0])
+        mass = np.asarray(self.simulator.model.body_mass)
+        x = np.zeros((*moved.position.shape[:-1], 3))
+        for link in np.flatnonzero(mass):
+            x += mass[link] / mass.sum() * moved.pose(int(link)).position
+        x, turn = np.nan_to_num(x), moved.pose(self._body).rotation
+        faces = np.nan_to_num(turn[..., 0])
         begin, end = round(LEAD / self.task.period), x.shape[1] - 1
         last = np.full(len(policies), end)
         if not self.wet:
-            down = ~(places.rotation[:, :, self._body, 2, 2] >= FALLEN)
+            down = ~(turn[..., 2, 2] >= FALLEN)
             last = np.where(down.any(axis=1), np.maximum(down.argmax(axis=1), begin), end)
         gone = x[np.arange(len(x)), last] - x[:, begin]
         ahead = faces[:, begin:].mean(axis=1)
@@ -173,8 +175,8 @@ class Mover:
 
         To first order R' R+ = I + [w] dt, of which the antisymmetric half is taken.
         """
-        x, turn = moved.places.position[:, :, link], moved.places.rotation[:, :, link]
-        trunk = moved.places.rotation[:, :1, self._body]
+        x, turn = moved.pose(link).position, moved.pose(link).rotation
+        trunk = moved.pose(self._body).rotation[:, :1]
         turn = turn @ turn[:, :1].swapaxes(2, 3) @ trunk
         step = turn[:, :-1].swapaxes(2, 3) @ turn[:, 1:]
         skew = 0.5 * (step - step.swapaxes(2, 3))
