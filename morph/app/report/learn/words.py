@@ -44,7 +44,8 @@ def summary(outcome: LearnOutcome) -> tuple[str, ...]:
         score = judged.controls[best]
         lines.append(
             f"From the same starts the better control, {NAMED.get(best, best)}, costs "
-            f"{number(score.mean)} and reaches {goals} in {int(score.success.sum())} runs."
+            f"{number(score.mean)} and reaches {goals} in {int(score.success.sum())} of "
+            f"{len(score.loss)} runs."
         )
     return tuple(lines)
 

@@ -15,7 +15,7 @@ def outcome(reached: int, still: float, chance: float) -> Any:
     """Return what a search found, as far as its sentences read it."""
 
     def control(mean: float, reached: int) -> Any:
-        return SimpleNamespace(mean=mean, success=np.arange(50) < reached)
+        return SimpleNamespace(mean=mean, loss=np.full(50, mean), success=np.arange(50) < reached)
 
     return cast(
         Any,
@@ -47,8 +47,8 @@ def test_as_many_runs_reach_the_goal_as_did(reached: int, many: str) -> None:
 @pytest.mark.parametrize(
     ("still", "chance", "said"),
     [
-        (60.0, 80.0, "doing nothing, costs 60 and reaches the goal in 0 runs."),
-        (80.0, 60.0, "random commands, costs 60 and reaches the goal in 3 runs."),
+        (60.0, 80.0, "doing nothing, costs 60 and reaches the goal in 0 of 50 runs."),
+        (80.0, 60.0, "random commands, costs 60 and reaches the goal in 3 of 50 runs."),
     ],
 )
 def test_the_better_control_is_the_one_that_costs_less(

@@ -181,6 +181,10 @@ def test_how_many_runs_judge_follows_from_the_task_alone(
     fewer = judge(outcome.task, outcome.policy, outcome.task.simulator(), 7)
     assert fewer.rows == 25
     assert {len(score.loss) for score in fewer.controls.values()} == {25}
+    monkeypatch.setattr("morph.app.report.learn.judge.CONTROL_WORK", 12000.0)
+    heavy = judge(outcome.task, outcome.policy, outcome.task.simulator(), 7)
+    # The same starts: doing nothing draws no other chance.
+    assert np.array_equal(heavy.controls["nothing"].loss, fewer.controls["nothing"].loss[:12])
 
 
 def test_the_typical_run_is_in_the_middle(outcome: LearnOutcome) -> None:
