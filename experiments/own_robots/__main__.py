@@ -50,6 +50,7 @@ def figures_of(rows: Sequence[JSON]) -> JSON:
         **{kind.replace(" ", "_"): kinds[kind] for kind in ("refused", "short", *FAILED)},
         "stand_pushed": sum(bool(cell.get("pushed")) for _, cell in cells)
         / max(1, of["stand"].total()),
+        "in_time": sum(cell["in_time"] for _, cell in cells) / max(1, len(cells)),
         "fixes": len(fixed),
         "fixes_that_work": sum(kind in ("works", "short") for kind in fixed),
         **{

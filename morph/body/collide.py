@@ -9,6 +9,7 @@ from typing import Any
 
 import mujoco
 
+from morph.body.check.collision import leave_out
 from morph.body.mesh import as_stl, read_mesh
 from morph.body.normal import robot_of
 from morph.body.pieces import Cutting, Pieces, convex_pieces
@@ -82,6 +83,12 @@ def with_pieces(
         )
         if not whole:
             _exchange(spec, geom, meshes[name], pieces, assets)
+    if robot.source is not None and robot.source.suffix.lower() == ".urdf":
+        # What hulls overlapped, pieces may not.
+        for exclude in list(spec.excludes):
+            spec.delete(exclude)
+        spec.assets = assets
+        leave_out(spec, spec.compile())
     cut = robot_of(spec, robot.source or Path(robot.name), robot.card, assets)
     shapes = {link.name: link.shapes for link in cut.links}
     changed = replace(

@@ -17,7 +17,7 @@ from morph.body.check.meshes import check_meshes
 from morph.body.finding import DescriptionFinding
 from morph.body.inertia import is_physical, mended
 from morph.body.measured import marked, weigh
-from morph.body.mjcf_draft import ElementLines, draft_of, touching
+from morph.body.mjcf_draft import ElementLines, draft_of
 from morph.body.mjcf_files import gather
 from morph.body.normal import refused, robot_of
 from morph.body.paths import Files
@@ -68,9 +68,7 @@ def robot_from_mjcf(tree: Element, path: Path, files: Files, card: Card | None) 
     for look in LOOKS:
         looked += look(draft)
     with quiet():
-        pairs = touching(model)
-    apart = [pair for pair in overlaps(draft) if frozenset((pair.one, pair.other)) in pairs]
-    looked += self_collisions(draft, apart)
+        looked += self_collisions(draft, overlaps(model))
     findings += [_unchanged(finding) for finding in looked]
     return replace(robot, findings=(*findings, *robot.findings))
 

@@ -156,16 +156,3 @@ def _joints(model: Any, body: int, lines: ElementLines) -> list[DraftJoint]:
             line=lines.place("joint", title).line,
         )
     ]
-
-
-def touching(model: Any) -> set[frozenset[str]]:
-    """Return the pairs of bodies between which MuJoCo sees contacts at home."""
-    data = mujoco.MjData(model)
-    mujoco.mj_kinematics(model, data)
-    mujoco.mj_comPos(model, data)
-    mujoco.mj_collision(model, data)
-    pairs = set()
-    for contact in data.contact[: data.ncon]:
-        ends = (model.body(model.geom_bodyid[geom]).name for geom in contact.geom)
-        pairs.add(frozenset(ends))
-    return pairs

@@ -81,7 +81,7 @@ def posture_of(robot: Robot) -> Mapping[str, float]:
     """Return where tasks on a floor start, by joint, rad or m, and by channel of the base.
 
     It is the posture that the robot was given (`postured`), else the keyframe of a usual name,
-    else on its feet, else as it is described, raised out of the floor.
+    else on its feet, else as it is described, raised out of the floor, and within its limits.
     """
     if robot.posture is not None:
         return robot.posture
@@ -90,7 +90,25 @@ def posture_of(robot: Robot) -> Mapping[str, float]:
     if usual is not None:
         return known[usual]
     found = standing(robot)
-    return _raised(robot) if found is None else found.position
+    return within_limits(robot) | _raised(robot) if found is None else found.position
+
+
+def within_limits(robot: Robot) -> dict[str, float]:
+    """Return the nearest positions within limits of joints that are described beyond them.
+
+    Simulated from beyond, limits throw the joint back. A closed chain would be torn, and is left.
+    """
+    if robot.loops:
+        return {}
+    model: Any = spec_of(robot).compile()
+    results = {}
+    for joint in robot.joints:
+        if joint.kind in ("hinge", "slide") and joint.limits is not None:
+            here = float(model.qpos0[model.joint(joint.name).qposadr[0]])
+            low, high = joint.limits
+            if not low <= here <= high:
+                results[joint.name] = min(max(here, low), high)
+    return results
 
 
 def _raised(robot: Robot) -> dict[str, float]:

@@ -8,15 +8,16 @@ from typing import Any
 from morph.body.build import spec_from
 from morph.body.card import Card
 from morph.body.check import check
-from morph.body.check.collision import overlaps, self_collisions
+from morph.body.check.collision import leave_out, self_collisions
 from morph.body.check.place import WORLD, at_robot
 from morph.body.draft import Draft
 from morph.body.finding import DescriptionFinding
 from morph.body.linkage import close_chain
 from morph.body.measured import marked, weighed
 from morph.body.motors import add_motors
-from morph.body.normal import robot_of
+from morph.body.normal import compiled, robot_of
 from morph.body.paths import Files
+from morph.body.quiet import quiet
 from morph.body.refusal import refusal
 from morph.body.robot import Mimic, Robot
 
@@ -42,10 +43,9 @@ def robot_from_draft(
         findings += _assumed(draft)
     spec, assets = spec_from(draft, base or "fixed")
     spec.assets = assets
-    pairs = overlaps(draft)
-    findings += self_collisions(draft, pairs)
-    for pair in pairs:
-        spec.add_exclude(bodyname1=pair.one, bodyname2=pair.other)
+    with quiet():
+        model = compiled(spec, draft.file)
+    findings += self_collisions(draft, leave_out(spec, model))
     add_motors(spec, card, draft)
     for closure in card.closure if card else ():
         close_chain(spec, closure, str(draft.file))

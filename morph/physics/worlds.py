@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 from morph.body.fulltext import fulltext
-from morph.body.postures import posture_of
+from morph.body.postures import posture_of, within_limits
 from morph.body.robot import Robot
 from morph.body.spec import bare_spec
 from morph.errors import EffectError
@@ -43,9 +43,12 @@ def is_floor(name: str) -> bool:
 
 
 def start_in(robot: Robot, name: str | None) -> Mapping[str, float]:
-    """Return where a robot starts in a world: on a floor, or if one was given, in its posture."""
+    """Return where a robot starts in a world: on a floor, or if one was given, in its posture.
+
+    Elsewhere it starts as it is described, but within its limits.
+    """
     floor = name is not None and is_floor(name)
-    return posture_of(robot) if floor or robot.posture is not None else {}
+    return posture_of(robot) if floor or robot.posture is not None else within_limits(robot)
 
 
 def on_floor(robot: Robot, name: str) -> Robot:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from morph.body.limbs import torso_of
+from morph.body.postures import posture_of
 from morph.body.robot import Robot
 from morph.errors import TaskError
 from morph.task.arm import Arm
@@ -29,7 +30,7 @@ def hold(robot: Robot, posture: Mapping[str, float] | None = None) -> Task:
 
     Args:
         robot: A body that is held to the world, such as an arm.
-        posture: Positions of joints by name, rad or m; the others as the body is described.
+        posture: Positions of joints by name, rad or m; the others as `posture_of` has them.
 
     Raises:
         TaskError: The body moves freely, no joint of it is driven, or a posture is beyond the
@@ -41,7 +42,7 @@ def hold(robot: Robot, posture: Mapping[str, float] | None = None) -> Task:
         raise TaskError(
             "it is not held to the world", where=where, fix="take the task stand, or give an arm"
         )
-    requested = Arm(robot).rest() | dict(posture or {})
+    requested = Arm(robot).rest() | dict(posture_of(robot)) | dict(posture or {})
     joints = robot.driven
     if not joints:
         raise TaskError(

@@ -6,6 +6,7 @@ import numpy as np
 
 from morph.arrays import Array
 from morph.body.limbs import torso_of
+from morph.body.postures import posture_of
 from morph.body.robot import Robot
 from morph.errors import TaskError
 from morph.task.arm import Arm
@@ -87,7 +88,7 @@ def reach(
             ),
         ),
         goals=(Goal(name="end", quantity=end, target=requested, within=within, last=LAST),),
-        start=Start(),
+        start=Start(position=posture_of(robot)),
         horizon=3.0,
         period=PERIOD,
         step=0.002,

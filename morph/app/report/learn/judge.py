@@ -110,13 +110,16 @@ def _controls(task: Task, simulator: Simulator, rows: int, seed: int) -> dict[st
     bounds = np.array([(each.low, each.high) for each in actions_of(task.robot)])
     # A bound that is none would command a million radians.
     low, high = np.where(np.abs(bounds) < 1e6, bounds, np.sign(bounds) * WILD).T
-    commands = {
-        "nothing": lambda: np.tile(np.clip(0.0, low, high), (few, 1)),
-        "random": lambda: rng.uniform(low, high, (few, len(low))),
-    }
+
+    def nothing(q: Array, v: Array, now: float) -> Array:
+        return np.tile(np.clip(0.0, low, high), (few, 1))
+
+    def chance(q: Array, v: Array, now: float) -> Array:
+        return rng.uniform(low, high, (few, len(low)))
+
     runs = {
-        name: run(task, simulator, lambda q, v, now, each=each: each(), position, velocity)
-        for name, each in commands.items()
+        name: run(task, simulator, act, position, velocity)
+        for name, act in (("nothing", nothing), ("random", chance))
     }
     return {
         name: Score(loss=task.loss(moved), success=task.succeeded(moved))

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from morph.body.check.collision import winding
+from morph.body.collide import with_pieces
 from morph.body.spec import spec_of
 
 
@@ -63,20 +63,40 @@ def test_meshes_that_overlap_are_named_and_those_apart_are_not(bench: Any) -> No
         assert len(reading.of("self-collision")) == told
 
 
-def test_a_ring_around_a_rod_does_not_touch_it(bench: Any) -> None:
+def test_a_ring_around_a_rod_overlaps_as_a_hull_and_not_in_pieces(bench: Any) -> None:
     ring = trimesh.creation.annulus(r_min=0.2, r_max=0.3, height=0.1)
-    rod = SHAPES["cylinder"]
     reading = bench.read(
         *(bench.link(name) for name in ("palm", "a", "b")),
         bench.link("ring", bench.mesh("ring.stl", role="collision")),
-        bench.link("rod", rod),
+        bench.link("rod", SHAPES["cylinder"]),
         bench.joint("ja", "palm", "a"),
         bench.joint("jb", "palm", "b"),
         bench.joint("jr", "a", "ring"),
         bench.joint("jd", "b", "rod"),
         files={"ring.stl": bytes(ring.export(file_type="stl"))},
     )
-    assert reading.of("self-collision") == []
+    assert "convex hulls" in reading.the("self-collision").what
+    assert len(spec_of(reading.robot).excludes) == 1
+    cut, _ = with_pieces(reading.robot)
+    assert len(spec_of(cut).excludes) == 0
+
+
+@pytest.mark.parametrize("base", ["fixed", "floating"])
+def test_no_link_collides_with_the_one_that_it_hangs_on(bench: Any, base: str) -> None:
+    reading = bench.read(
+        bench.link("a", SHAPES["box"]),
+        bench.link("plate", SHAPES["box"]),
+        bench.link("b", SHAPES["box"]),
+        bench.joint("weld", "a", "plate", "fixed"),
+        bench.joint("j", "plate", "b"),
+        base=base,
+    )
+    model = spec_of(reading.robot).compile()
+    data = mujoco.MjData(model)
+    for angle in np.linspace(-3.0, 3.0, 50):
+        data.qpos[-1] = angle
+        mujoco.mj_forward(model, data)
+        assert data.ncon == 0
 
 
 def test_shapes_to_look_at_do_not_collide(bench: Any) -> None:
@@ -114,20 +134,6 @@ def test_mujoco_finds_no_contact_at_home_once_a_collision_is_repaired(bench: Any
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     assert data.ncon > 0
-
-
-def test_a_surface_winds_once_about_points_inside_and_never_about_points_outside() -> None:
-    ball = trimesh.creation.icosphere(subdivisions=2, radius=1.0)
-    rng = np.random.default_rng(7)
-    points = rng.normal(size=(200, 3))
-    points *= rng.uniform(0.2, 2.0, size=(200, 1)) / np.linalg.norm(points, axis=1)[:, None]
-    reach = np.linalg.norm(points, axis=1)
-    # An icosphere of 320 faces lies between 0.98 and 1 times its radius.
-    points, reach = points[abs(reach - 1) > 0.05], reach[abs(reach - 1) > 0.05]
-    turns = winding(np.array(ball.vertices), np.array(ball.faces), points)
-    assert turns == pytest.approx((reach < 1).astype(float), abs=1e-9)
-    inverted = winding(np.array(ball.vertices), np.array(ball.faces)[:, ::-1], points)
-    assert inverted == pytest.approx(turns, abs=1e-9)
 
 
 def test_a_mesh_scaled_to_nothing_touches_nothing(bench: Any) -> None:
