@@ -63,9 +63,18 @@ class Motor:
     actuator: str
     """The actuator in the description; in a URDF, which has none, the joint."""
     model: str = "ideal"
-    """`ideal`, or a servo's name such as `STS3215`."""
+    """`ideal`, `servo` by the figures below, or a servo's name such as `STS3215`, whose figures
+    those below replace."""
     limit: float | None = None
     """Greatest effort, N m or N."""
+    kp: float | None = None
+    """Of a servo: effort per position error, N m/rad or N/m."""
+    kv: float | None = None
+    """Of a servo: effort per velocity, N m s/rad or N s/m."""
+    armature: float | None = None
+    """Inertia of its rotor seen at the joint, kg m2 or kg."""
+    friction: float | None = None
+    """Dry friction of its gears seen at the joint, N m or N."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -65,7 +65,7 @@ def _toml(value: str | float) -> str:
         ("Top of the file", "base", card.BASES),
         ("Top of the file", "schema", (f'"{card.SCHEMA}"',)),
         ("`[[closure]]`", "kind", KINDS),
-        ("`[[motor]]`", "model", ("ideal", *(servo.name for servo in SERVOS))),
+        ("`[[motor]]`", "model", ("ideal", "servo", *(servo.name for servo in SERVOS))),
         ("`[water]`", "wetted", ("mesh", "hull", "box")),
         ("`[[parameter]]`", "operation", [kind.name for kind in OPERATIONS if kind.amount]),
     ],

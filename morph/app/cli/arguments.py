@@ -133,7 +133,7 @@ class Inspect:
 class Convert:
     """Write a clean description of a robot that MuJoCo, Pinocchio and yourdfpy load alike.
 
-    Example: morph convert poppy.urdf --to mjcf --out poppy
+    Example: morph convert poppy.urdf --to mjcf --servo MX-28 --out poppy
     """
 
     robot: Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="ROBOT")]
@@ -146,6 +146,9 @@ class Convert:
     """How it stands in the world, where the description does not say."""
     folder: Folder = None
     """Folder outside which nothing is read; by default the description's own."""
+    servo: Annotated[Many, unset("[JOINT:]SERVO")] = ()
+    """Servo at a joint, or at every driven one: a name such as MX-28, or kp=20,kv=1,limit=6,
+    armature=0.01,friction=0.1. May be repeated."""
     pieces: bool = False
     """Cut collision meshes into convex pieces; seconds to minutes, kept for the next time."""
     json: bool = False

@@ -37,6 +37,10 @@ def run_convert(options: Convert) -> int:
     out = Path(options.out)
     check_folder(out)
     robot = load(options.robot, base=options.base, folder=options.folder)
+    if options.servo:
+        from morph.body.motors import with_servos
+
+        robot = with_servos(robot, options.servo)
     cuts: tuple[Cut, ...] = ()
     if options.pieces:
         from morph.body.collide import with_pieces
