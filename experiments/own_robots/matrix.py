@@ -11,10 +11,11 @@ from experiments.own_robots.applies import abilities
 from experiments.own_robots.outcome import Outcome, outcome
 from experiments.own_robots.pushed import stands_pushed
 from morph.arrays import JSON
-from morph.body import shelf
 from morph.body.load import load
 from morph.body.robot import Robot
 from morph.errors import MorphError
+from morph.policy_transfer.balancers import PUSHED
+from morph.policy_transfer.riders import RIDERS
 
 COMMANDS = (
     "inspect", "convert", "simulate", "hold", "stand", "walk", "reach", "view", "diagnose",
@@ -106,9 +107,9 @@ def _words(command: str, path: str, robot: Robot | None, *, swims: bool) -> list
 
 
 def _nearest(robot: Robot | None) -> str:
-    """Return the body of the shelf that has as many driven joints, or nearly."""
+    """Return the body that can balance and has as many driven joints, or nearly."""
     count = 0 if robot is None else len(robot.driven)
-    known = {name: len(load(name).driven) for name in shelf.names()}
+    known = {name: len(load(name).driven) for name in (*PUSHED, *RIDERS)}
     return min(known, key=lambda name: (abs(known[name] - count), name))
 
 

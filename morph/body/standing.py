@@ -36,6 +36,9 @@ MOST_BENT = 4
 GOOD, FAIR, SAME = 3e-3, 0.06, 0.05
 """Half the sum of squared faults below which no other beginning is tried; below which none is
 either if two led to one posture; and the share by which the faults of such two differ."""
+INNER = 0.6
+"""Farthest that the centre of mass of a robot that stands as described is from the middle of its
+support, in lengths from there to the edge: nearer to it servos that give way a little fall."""
 LEAST = 0.003
 """Least change of a joint from its description, rad or m."""
 WHEEL = (-0.7, 0.0, 0.7)
@@ -196,7 +199,7 @@ class _Legs:
     def stands(self, pose: Array) -> bool:
         """Return whether a robot stands in a pose: all soles down, and held up by its motors."""
         self._at(pose)
-        if np.ptp(self._touch()[:, 2]) > LEVEL * self.size:
+        if np.ptp(self._touch()[:, 2]) > LEVEL * self.size or self._off() > INNER:
             return False
         if all(each.kind != "position" for each in self.robot.actuators):
             value = pose[self.places]
@@ -206,6 +209,15 @@ class _Legs:
                 return False
         effort = self.held(pose)
         return effort is not None and not beyond_limits(self.robot, effort)
+
+    def _off(self) -> float:
+        """Return how far the centre of mass is from the middle of the support, 1 at its edge."""
+        points = np.vstack([sole.corners(self.data) for sole in self.soles])[:, :2]
+        middle, angle = points.mean(axis=0), np.linspace(0.0, 2.0 * math.pi, 64, endpoint=False)
+        way = np.stack([np.cos(angle), np.sin(angle)])
+        edge = ((points - middle) @ way).max(axis=0)
+        mass = (self.data.subtree_com[0, :2] - middle) @ way
+        return float((mass / np.maximum(edge, 1e-3 * self.size)).max())
 
     def held(self, pose: Array) -> dict[str, float] | None:
         """Return the efforts that hold a pose; see `holding_efforts`."""

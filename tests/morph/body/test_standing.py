@@ -124,6 +124,33 @@ def test_two_points_hold_nothing_up() -> None:
     assert not found_of(load(ASSETS / "humanoid.xml")).balanced
 
 
+TABLE = """<mujoco model="table"><worldbody><body pos="0 0 0.5"><freejoint name="base"/>
+<geom type="box" size="0.3 0.2 0.05" mass="5"/><geom type="sphere" size="0.02" pos="{lead} 0 0"
+mass="5"/>{legs}</body></worldbody><actuator>{servos}</actuator></mujoco>"""
+LEG = """<body pos="{x} {y} 0"><joint name="hip{n}" axis="0 1 0" range="-90 90"/>
+<geom type="capsule" fromto="0 0 -0.05 0 0 -0.25" size="0.02" mass="0.2"/><body pos="0 0 -0.25">
+<joint name="knee{n}" axis="0 1 0" range="-90 90"/>
+<geom type="capsule" fromto="0 0 -0.02 0 0 -0.25" size="0.02" mass="0.1"/></body></body>"""
+
+
+@pytest.mark.parametrize(("lead", "computed"), [(0.0, False), (0.2, False), (0.5, True)])
+def test_servos_carry_a_mass_near_the_edge_on_moved_legs(
+    lead: float, computed: bool, tmp_path: Path
+) -> None:
+    corners = [(x, y) for x in (0.25, -0.25) for y in (0.15, -0.15)]
+    legs = "".join(LEG.format(x=x, y=y, n=n) for n, (x, y) in enumerate(corners))
+    servos = "".join(
+        f'<position joint="{joint}{n}" kp="200" kv="5"/>' for joint in ("hip", "knee")
+        for n in range(4)
+    )  # fmt: skip
+    (tmp_path / "table.xml").write_text(TABLE.format(lead=lead, legs=legs, servos=servos))
+    found = found_of(load(tmp_path / "table.xml"))
+    # Half of the 11.2 kg, but for the legs, is at `lead`: 0.45 of it, to 0.25 m at the edge, is
+    # 0.36 of the way there for 0.2 m and 0.9 for 0.5 m; from 0.6 on the legs move.
+    assert found.balanced
+    assert found.computed is computed
+
+
 def test_what_is_bolted_down_or_lies_on_its_belly_has_no_feet() -> None:
     for body in ("so101", "cartpole", "sea_snake", "hexapod_swimmer"):
         assert standing(load(body)) is None
