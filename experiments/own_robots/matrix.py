@@ -15,7 +15,6 @@ from morph.body.load import load
 from morph.body.robot import Robot
 from morph.errors import MorphError
 from morph.policy_transfer.balancers import PUSHED
-from morph.policy_transfer.riders import RIDERS
 
 COMMANDS = (
     "inspect", "convert", "simulate", "hold", "stand", "walk", "reach", "view", "diagnose",
@@ -109,7 +108,7 @@ def _words(command: str, path: str, robot: Robot | None, *, swims: bool) -> list
 def _nearest(robot: Robot | None) -> str:
     """Return the body that can balance and has as many driven joints, or nearly."""
     count = 0 if robot is None else len(robot.driven)
-    known = {name: len(load(name).driven) for name in (*PUSHED, *RIDERS)}
+    known = {name: len(load(name).driven) for name in PUSHED}
     return min(known, key=lambda name: (abs(known[name] - count), name))
 
 
