@@ -11,6 +11,7 @@ import numpy as np
 
 from morph.arrays import Array
 from morph.body.follow import QUICK, RIGID
+from morph.body.fulltext import fulltext
 from morph.body.robot import Robot
 from morph.body.spec import spec_of
 from morph.model.nuisance_parameters import Knob
@@ -48,9 +49,16 @@ def bare_spec(robot: Robot, step: float) -> Any:
         for geom in list(spec.geoms):
             if geom.contype == 0 and geom.conaffinity == 0:
                 spec.delete(geom)
+        used = {geom.meshname for geom in spec.geoms}
+        for mesh in [each for each in spec.meshes if each.name not in used]:
+            spec.delete(mesh)
+        files = {mesh.file for mesh in spec.meshes}
         spec.option.disableflags |= mujoco.mjtDisableBit.mjDSBL_ISLAND.value
         try:
-            spec.copy().compile()
+            spec.compile()
+            # Files that it was read with would be held in memory anew by every candidate.
+            kept = {name: robot.assets[name] for name in files & set(robot.assets)}
+            spec = mujoco.MjSpec.from_string(fulltext(spec), assets=kept)
         except ValueError:
             # A tendon or a pair refers to a shape: keep them all.
             spec = spec_of(robot, timestep=step)
