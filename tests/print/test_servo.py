@@ -25,8 +25,15 @@ from morph.print.servo import (
 EVERY = pytest.mark.parametrize("which", SERVOS, ids=lambda each: each.name)
 
 
-def test_every_motor_that_a_card_may_name_has_a_size() -> None:
-    assert {motor.name for motor in MOTORS} <= {each.name for each in SERVOS}
+SIZELESS = {
+    "XL330-M288", "XL430-W250", "XM430-W350", "XM540-W270", "MX-106", "MG996R", "SCS15", "STS3250",
+    "GO1-HIP", "RMD-X8",
+}  # fmt: skip
+"""Servos whose sizes nobody wrote down yet: their joints get room, but no horn, and it is said."""
+
+
+def test_every_other_motor_that_a_card_may_name_has_a_size() -> None:
+    assert {motor.name for motor in MOTORS} - {each.name for each in SERVOS} == SIZELESS
 
 
 @EVERY
