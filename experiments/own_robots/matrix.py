@@ -42,7 +42,8 @@ def row(name: str, path: str, out: str, commands: Sequence[str] = COMMANDS) -> J
         name: What the study calls it.
         path: Its description.
         out: Folder for what the commands write.
-        commands: Those that are run, where they apply; `diagnose` reads what `simulate` wrote.
+        commands: Those that are run, where they apply; `diagnose` reads what `simulate`
+            wrote, `align` what `convert` wrote.
     """
     folder = Path(out) / name
     robot, described = _robot(Path(path))

@@ -13,6 +13,7 @@ from morph.body.check.collision import leave_out
 from morph.body.mesh import as_stl, read_mesh
 from morph.body.normal import robot_of
 from morph.body.pieces import Cutting, Pieces, convex_pieces
+from morph.body.quiet import quiet
 from morph.body.robot import Robot
 from morph.body.spec import bare_spec
 from morph.errors import MeshError
@@ -88,7 +89,8 @@ def with_pieces(
         for exclude in list(spec.excludes):
             spec.delete(exclude)
         spec.assets = assets
-        leave_out(spec, spec.compile())
+        with quiet():
+            leave_out(spec, spec.compile())
     cut = robot_of(spec, robot.source or Path(robot.name), robot.card, assets)
     shapes = {link.name: link.shapes for link in cut.links}
     changed = replace(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -84,6 +85,12 @@ def _drive(actuator: Any, joint: Any, motor: Motor, where: str) -> None:
                 where=where,
                 fix=f"give {name} as a number that is not negative",
             )
+    if figures["limit"] == 0.0:
+        raise RobotError(
+            f"the limit of the motor of {joint.name} is 0",
+            where=where,
+            fix="give the greatest effort, N m or N, or leave it out",
+        )
     kp, kv, limit = (figures[name] for name in ("kp", "kv", "limit"))
     if motor.model == "ideal":
         if kp is not None or kv is not None:
@@ -124,6 +131,7 @@ def with_servos(robot: Robot, words: Sequence[str]) -> Robot:
         RobotError: Words are none of that, or nothing drives a joint that they name.
     """
     driven = {each.joint: each.name for each in robot.actuators if each.joint}
+    count = Counter(each.joint for each in robot.actuators)
     chosen: dict[str, Motor] = {}
     for each in words:
         joint, _, what = each.rpartition(":")
@@ -139,18 +147,27 @@ def with_servos(robot: Robot, words: Sequence[str]) -> Robot:
     joints = {joint.name: joint for joint in spec.joints}
     actuators = {actuator.name: actuator for actuator in spec.actuators}
     for name, motor in chosen.items():
+        if count[name] > 1:
+            raise RobotError(
+                f"{count[name]} actuators drive the joint {name}",
+                where=f"servo of {name}",
+                fix="leave one of them in the description, or give servos to other joints",
+            )
         actuator = actuators[driven[name]]
         # Gears and bounds of what was there are not those of the servo.
         actuator.gear = (1.0, 0.0, 0.0, 0.0, 0.0, 0.0)
         actuator.ctrllimited = actuator.forcelimited = False
         _drive(actuator, joints[name], motor, f"servo of {name}")
     served = robot_of(spec, robot.source or Path(robot.name), robot.card, dict(robot.assets))
-    friction = {joint.name: joint.friction for joint in served.joints}
+    known = {joint.name: joint for joint in served.joints}
     return replace(
         robot,
         mjcf=served.mjcf,
         actuators=served.actuators,
-        joints=tuple(replace(each, friction=friction[each.name]) for each in robot.joints),
+        joints=tuple(
+            replace(known[each.name], velocity=each.velocity, mimic=each.mimic)
+            for each in robot.joints
+        ),
         sha256=sha256(robot.sha256, "servos", *words),
     )
 

@@ -16,6 +16,7 @@ from morph.body.spec import spec_of
 from morph.body.standing import standing
 from morph.body.surface import height_of, lowest_of
 from morph.body.told import told
+from morph.body.within_limits import within_limits
 from morph.errors import RobotError
 from morph.nearest import nearest
 from morph.toml_file import load_toml
@@ -90,25 +91,18 @@ def posture_of(robot: Robot) -> Mapping[str, float]:
     if usual is not None:
         return known[usual]
     found = standing(robot)
-    return within_limits(robot) | _raised(robot) if found is None else found.position
+    return described(robot) | _raised(robot) if found is None else found.position
 
 
-def within_limits(robot: Robot) -> dict[str, float]:
-    """Return the nearest positions within limits of joints that are described beyond them.
+def described(robot: Robot) -> dict[str, float]:
+    """Return what starts otherwise than it is described, as limits would throw it back.
 
-    Simulated from beyond, limits throw the joint back. A closed chain would be torn, and is left.
+    A closed chain would be torn joint by joint, and is left.
     """
     if robot.loops:
         return {}
     model: Any = spec_of(robot).compile()
-    results = {}
-    for joint in robot.joints:
-        if joint.kind in ("hinge", "slide") and joint.limits is not None:
-            here = float(model.qpos0[model.joint(joint.name).qposadr[0]])
-            low, high = joint.limits
-            if not low <= here <= high:
-                results[joint.name] = min(max(here, low), high)
-    return results
+    return told(robot, model, within_limits(model, model.qpos0))
 
 
 def _raised(robot: Robot) -> dict[str, float]:

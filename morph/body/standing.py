@@ -12,7 +12,7 @@ import mujoco
 import numpy as np
 
 from morph.arrays import Array, Integers
-from morph.body.limbs import HINGE, SLIDE, JointTree, limbs_of, torso_of
+from morph.body.limbs import JointTree, limbs_of, torso_of
 from morph.body.robot import Robot
 from morph.body.roles import joint_roles
 from morph.body.soles import sole_of
@@ -20,6 +20,7 @@ from morph.body.spec import spec_of
 from morph.body.support import beyond_limits, holding_efforts
 from morph.body.surface import UPRIGHT, height_of, lowest_of
 from morph.body.told import told
+from morph.body.within_limits import within_limits
 
 BENT = 0.3
 """How far from its limits a joint of a leg is kept, rad, where there is room."""
@@ -94,7 +95,7 @@ def standing(robot: Robot, model: Any = None) -> StandingPosture | None:
     legs = _Legs(robot, model, link)
     if not legs.soles:
         return None
-    described = legs.settled(legs.within(legs.model.qpos0.copy()))
+    described = legs.settled(within_limits(model, model.qpos0))
     computed = not robot.loops and not legs.rolls() and not legs.stands(described)
     chosen = legs.settled(legs.bent()) if computed else described
     effort = legs.held(chosen)
@@ -161,15 +162,6 @@ class _Legs:
         rows = [self._row(at) for at in range(len(self.legs))]
         return np.asarray(np.array([_length(row[[0, -1]]) for row in rows]) / self.straight)
 
-    def within(self, pose: Array) -> Array:
-        """Return a pose with every hinge and slide brought into its range."""
-        model = self.model
-        for at in np.flatnonzero(model.jnt_limited):
-            if model.jnt_type[at] in (HINGE, SLIDE):
-                place = int(model.jnt_qposadr[at])
-                pose[place] = np.clip(pose[place], *model.jnt_range[at])
-        return pose
-
     def settled(self, pose: Array) -> Array:
         """Return a pose with the base as high as its lowest point asks, a floor at 0."""
         trunk = int(self.model.body(self.link).id)
@@ -230,7 +222,7 @@ class _Legs:
         roles = joint_roles(self.robot)
         own = [roles[self.model.joint(at).name] for at in self.joints]
         orders = sorted({role.order for role in own})[-MOST_BENT:]
-        base = self.within(self.model.qpos0.copy())
+        base = within_limits(self.model, self.model.qpos0)
         best: tuple[float, Array] = (math.inf, base[self.places])
         for size, signs in product(BENDS, product((1.0, -1.0), repeat=len(orders))):
             way = dict(zip(orders, signs, strict=True))

@@ -44,8 +44,8 @@ def robot_from_draft(
     spec, assets = spec_from(draft, base or "fixed")
     spec.assets = assets
     with quiet():
-        model = compiled(spec, draft.file)
-    findings += self_collisions(draft, leave_out(spec, model))
+        apart = leave_out(spec, compiled(spec, draft.file))
+    findings += self_collisions(draft, apart)
     add_motors(spec, card, draft)
     for closure in card.closure if card else ():
         close_chain(spec, closure, str(draft.file))

@@ -52,13 +52,13 @@ def bare_spec(robot: Robot, step: float) -> Any:
         used = {geom.meshname for geom in spec.geoms}
         for mesh in [each for each in spec.meshes if each.name not in used]:
             spec.delete(mesh)
-        files = {mesh.file for mesh in spec.meshes}
         spec.option.disableflags |= mujoco.mjtDisableBit.mjDSBL_ISLAND.value
         try:
             spec.compile()
             # Files that it was read with would be held in memory anew by every candidate.
-            kept = {name: robot.assets[name] for name in files & set(robot.assets)}
-            spec = mujoco.MjSpec.from_string(fulltext(spec), assets=kept)
+            text = fulltext(spec)
+            kept = {name: content for name, content in robot.assets.items() if name in text}
+            spec = mujoco.MjSpec.from_string(text, assets=kept)
         except ValueError:
             # A tendon or a pair refers to a shape: keep them all.
             spec = spec_of(robot, timestep=step)

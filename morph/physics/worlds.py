@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 from morph.body.fulltext import fulltext
-from morph.body.postures import posture_of, within_limits
+from morph.body.postures import described, posture_of
 from morph.body.robot import Robot
 from morph.body.spec import bare_spec
 from morph.errors import EffectError
@@ -48,7 +48,7 @@ def start_in(robot: Robot, name: str | None) -> Mapping[str, float]:
     Elsewhere it starts as it is described, but within its limits.
     """
     floor = name is not None and is_floor(name)
-    return posture_of(robot) if floor or robot.posture is not None else within_limits(robot)
+    return posture_of(robot) if floor or robot.posture is not None else described(robot)
 
 
 def on_floor(robot: Robot, name: str) -> Robot:

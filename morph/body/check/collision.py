@@ -6,11 +6,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import mujoco
-import numpy as np
 
 from morph.body.check.place import at_link
 from morph.body.draft import Draft
 from morph.body.finding import DescriptionFinding
+from morph.body.within_limits import within_limits
 
 DEPTH = 0.03
 """How deep shapes overlap, by the radius of the smaller one's bounding sphere; what only touches
@@ -29,21 +29,27 @@ class Overlap:
     """Whether a mesh is one of the shapes: MuJoCo collides its convex hull."""
 
 
-def overlaps(model: Any) -> list[Overlap]:
-    """Return the links between which MuJoCo has contacts that push, at home within limits."""
+def overlaps(model: Any, *, world: bool = False) -> list[Overlap]:
+    """Return the links between which MuJoCo has contacts that push, at home within limits.
+
+    Args:
+        model: The `mujoco.MjModel`.
+        world: Whether shapes of the world are parts of the robot, as those of a URDF's root are;
+            in an MJCF they are what surrounds it.
+    """
     data = mujoco.MjData(model)
-    for joint in np.flatnonzero(model.jnt_limited):
-        if model.jnt_type[joint] >= mujoco.mjtJoint.mjJNT_SLIDE.value:
-            at = model.jnt_qposadr[joint]
-            data.qpos[at] = np.clip(data.qpos[at], *model.jnt_range[joint])
+    data.qpos[:] = within_limits(model, model.qpos0)
     mujoco.mj_kinematics(model, data)
     mujoco.mj_comPos(model, data)
     mujoco.mj_collision(model, data)
     results: dict[tuple[int, int], bool] = {}
     for contact in data.contact[: data.ncon]:
+        if min(contact.geom) < 0:
+            # What bends has no bounding sphere.
+            continue
         size = min(float(each) for each in model.geom_rbound[contact.geom] if each > 0.0)
         one, other = sorted(int(each) for each in model.geom_bodyid[contact.geom])
-        if contact.dist < -DEPTH * size and one:
+        if contact.dist < -DEPTH * size and (one or world):
             mesh = mujoco.mjtGeom.mjGEOM_MESH.value in model.geom_type[contact.geom]
             results[one, other] = results.get((one, other), False) or mesh
     return [
@@ -63,7 +69,7 @@ def leave_out(spec: Any, model: Any) -> list[Overlap]:
         model: The same, compiled.
     """
     solid = {int(body) for body in model.geom_bodyid[model.geom_contype > 0]}
-    fixed = [body for body in solid if body and not model.body_weldid[body]]
+    fixed = [body for body in solid if not model.body_weldid[body]]
     hung = [
         body
         for body in solid
@@ -72,7 +78,7 @@ def leave_out(spec: Any, model: Any) -> list[Overlap]:
     joined = {(model.body(one).name, model.body(other).name) for one in fixed for other in hung}
     pairs = [
         pair
-        for pair in overlaps(model)
+        for pair in overlaps(model, world=True)
         if not {(pair.one, pair.other), (pair.other, pair.one)} & joined
     ]
     for one, other in (*sorted(joined), *((pair.one, pair.other) for pair in pairs)):

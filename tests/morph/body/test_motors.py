@@ -72,6 +72,7 @@ def test_what_stands_later_goes_before_and_figures_replace_those_of_a_name(arm: 
         ("kp=1,gain=2", "says no servo"),
         ("MX-28,MX-64", "says no servo"),
         ("kv=1", "has no kp"),
+        ("kp=1,limit=0", "the limit of the motor of one is 0"),
         ("kp=-3", "kp of the motor of one is -3"),
         ("kp=nan", "kp of the motor of one is nan"),
         ("ideal,kp=3", "is ideal and has gains"),
@@ -80,6 +81,15 @@ def test_what_stands_later_goes_before_and_figures_replace_those_of_a_name(arm: 
 def test_words_that_are_no_servo_are_refused(arm: Path, words: str, says: str) -> None:
     with pytest.raises(RobotError, match=says):
         with_servos(load(arm), [words])
+
+
+def test_a_joint_with_two_actuators_gets_no_servo(tmp_path: Path) -> None:
+    twice = GEARED.replace("</actuator>", '<velocity name="brake" joint="two" kv="1"/></actuator>')
+    (tmp_path / "twice.xml").write_text(twice)
+    robot = load(tmp_path / "twice.xml")
+    with pytest.raises(RobotError, match="2 actuators drive the joint two"):
+        with_servos(robot, ["kp=5"])
+    assert with_servos(robot, ["one:kp=5"]).actuators[0].kind == "position"
 
 
 def test_a_card_gives_a_servo_by_its_figures(tmp_path: Path, bench: Any) -> None:

@@ -81,6 +81,23 @@ def test_a_ring_around_a_rod_overlaps_as_a_hull_and_not_in_pieces(bench: Any) ->
     assert len(spec_of(cut).excludes) == 0
 
 
+def test_a_table_that_is_the_world_is_left_as_any_link_is(bench: Any) -> None:
+    table = primitive("box", 'size="1 1 0.1"')
+    reading = bench.read(
+        bench.link("world", table, mass=None),
+        bench.link("a", SHAPES["box"]),
+        bench.link("b", SHAPES["box"]),
+        bench.joint("j", "world", "a"),
+        bench.joint("k", "a", "b", xyz="0.3 0 0"),
+    )
+    # The first link hangs on the table; the second lies in it.
+    assert "'b'" in reading.the("self-collision").what
+    model = spec_of(reading.robot).compile()
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    assert data.ncon == 0
+
+
 @pytest.mark.parametrize("base", ["fixed", "floating"])
 def test_no_link_collides_with_the_one_that_it_hangs_on(bench: Any, base: str) -> None:
     reading = bench.read(
