@@ -88,6 +88,16 @@ class Measured:
 
 
 @dataclass(frozen=True, kw_only=True)
+class CardPosture:
+    """A posture by name."""
+
+    name: str
+    """What it is called; a file of several postures calls it the same."""
+    file: str
+    """TOML or SRDF file in the card's folder."""
+
+
+@dataclass(frozen=True, kw_only=True)
 class Closure:
     """A closed chain, which URDF cannot hold."""
 
@@ -177,6 +187,8 @@ class Card:
     """Links that were weighed."""
     closure: tuple[Closure, ...] = ()
     """Closed chains."""
+    posture: tuple[CardPosture, ...] = ()
+    """Postures beside those of its description."""
     parameter: tuple[CardParameter, ...] = ()
     """What a designer may change."""
     print: PrintTable | None = None
@@ -212,22 +224,25 @@ def load_card(path: Path) -> Card:
         _check(
             card.water.wetted, ("mesh", "hull", "box"), "wetted", replace(place, section="water")
         )
-    _check_inside(path.parent, card.description, place)
+    _check_inside(path.parent, card.description, place.key("description"))
+    for at, posture in enumerate(card.posture):
+        here = replace(place, section="posture", index=at)
+        _check_inside(path.parent, posture.file, here.key("file"))
     _check_masses(card, place)
     return card
 
 
-def _check_inside(folder: Path, description: str, place: Place) -> None:
-    """Refuse a description elsewhere: a stranger's card must not open files beside its own."""
+def _check_inside(folder: Path, name: str, where: str) -> None:
+    """Refuse a file elsewhere: a stranger's card must not open files beside its own."""
     try:
         # A link may lead anywhere; only its end counts.
-        inside = (folder / description).resolve().is_relative_to(folder.resolve())
+        inside = (folder / name).resolve().is_relative_to(folder.resolve())
     except (OSError, RuntimeError, ValueError):
         inside = False
     if not inside:
         raise RobotError(
-            f"the description {description!r} is no file in the card's folder",
-            where=place.key("description"),
+            f"{name!r} is no file in the card's folder",
+            where=where,
             fix="name a file in this folder, by its path from the card",
         )
 

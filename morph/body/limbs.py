@@ -11,8 +11,7 @@ import mujoco
 import numpy as np
 
 from morph.arrays import Array, Integers
-from morph.body.load import FREEDOMS
-from morph.body.robot import Robot
+from morph.body.robot import FREEDOMS, Robot
 from morph.body.spec import spec_of
 
 HINGE, SLIDE = mujoco.mjtJoint.mjJNT_HINGE.value, mujoco.mjtJoint.mjJNT_SLIDE.value

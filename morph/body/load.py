@@ -10,7 +10,8 @@ from morph.body import shelf
 from morph.body.card import Card, load_card
 from morph.body.description import read_description
 from morph.body.paths import MARKS
-from morph.body.robot import Robot
+from morph.body.postures import card_postures
+from morph.body.robot import FREEDOMS, Robot
 from morph.errors import RobotError
 
 TOLERANCE = 1e-9
@@ -21,9 +22,6 @@ ENDINGS = (".urdf", ".xacro", ".mjcf", ".xml")
 
 MOST_LOOKED_AT = 1000
 """Most files of a folder that are looked at for that."""
-
-FREEDOMS = {"hinge": 1, "slide": 1, "ball": 3, "free": 6}
-"""Degrees of freedom of each kind of joint."""
 
 
 def load(robot: str | Path, *, base: str | None = None, folder: str | Path | None = None) -> Robot:
@@ -47,6 +45,7 @@ def load(robot: str | Path, *, base: str | None = None, folder: str | Path | Non
     result = read_description(path, card, base=base, folder=Path(folder) if folder else None)
     if card is not None and base is None:
         _check(result, card)
+    card_postures(result)  # So that a file that cannot be used is told now.
     return result
 
 

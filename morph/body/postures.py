@@ -1,4 +1,4 @@
-"""Postures of a robot by name: those that its description holds, on its feet, and as described."""
+"""Postures of a robot by name: of its description, card and files, on its feet, as described."""
 
 from __future__ import annotations
 
@@ -13,6 +13,8 @@ import mujoco
 from morph.body.limbs import torso_of
 from morph.body.robot import Robot
 from morph.body.spec import spec_of
+from morph.body.srdf import ENDING as SRDF
+from morph.body.srdf import srdf_postures
 from morph.body.standing import standing
 from morph.body.surface import height_of, lowest_of
 from morph.body.told import told
@@ -24,22 +26,40 @@ from morph.toml_file import load_toml
 REST, STANDING = "rest", "standing"
 """As the description has it, and on its feet."""
 ENDING, MOST_BYTES = ".toml", 100_000
-"""What files of postures end in, and the most that one may have."""
-USUAL = ("home", "stand", "standing", "default")
-"""What keyframes of the posture in which a robot is ready are called, most usual first."""
+"""What files of one posture end in, and the most bytes that one may have."""
+USUAL = ("home", "stand", "standing", "half_sitting", "default")
+"""What the posture in which a robot is ready is called, most usual first."""
 
 
 def keyframes_of(robot: Robot, model: Any = None) -> dict[str, dict[str, float]]:
-    """Return the postures of a description's keyframes, as simulations are told to start.
+    """Return the postures of a robot's keyframes and card, as simulations are told to start.
 
     Args:
         robot: The robot.
         model: Its compiled `mujoco.MjModel`, where there is one already.
+
+    Raises:
+        RobotError: A file that its card names cannot be used.
     """
     model = spec_of(robot).compile() if model is None else model
-    return {
+    known = {
         model.key(at).name or f"keyframe {at + 1}": told(robot, model, model.key_qpos[at])
         for at in range(model.nkey)
+    }
+    return known | card_postures(robot)
+
+
+def card_postures(robot: Robot) -> dict[str, dict[str, float]]:
+    """Return the postures that a robot's card names.
+
+    Raises:
+        RobotError: A file of theirs cannot be used.
+    """
+    if robot.card is None or robot.source is None:
+        return {}
+    folder = Path(robot.source).parent
+    return {
+        each.name: _of_file(robot, folder / each.file, each.name) for each in robot.card.posture
     }
 
 
@@ -48,8 +68,9 @@ def postured(robot: Robot, posture: str | None) -> Robot:
 
     Args:
         robot: The robot.
-        posture: That of a keyframe, `standing`, `rest`, or a TOML file that gives joints (rad or
-            m) and channels of the base, such as `base.position.z`. None changes nothing.
+        posture: That of a keyframe or of its card, `standing`, `rest`, a TOML file that gives
+            joints (rad or m) and channels of the base, such as `base.position.z`, or an SRDF
+            file, with `:NAME` where it holds several. None changes nothing.
 
     Raises:
         RobotError: It has no such posture, or the file cannot be used.
@@ -58,8 +79,11 @@ def postured(robot: Robot, posture: str | None) -> Robot:
         return robot
     if posture == REST:
         return replace(robot, posture={})
-    if posture.endswith(ENDING):
-        return replace(robot, posture=_read(Path(posture)))
+    file, colon, name = posture.rpartition(":")
+    if posture.endswith((ENDING, SRDF)):
+        return replace(robot, posture=_of_file(robot, Path(posture)))
+    if colon and file.endswith(SRDF):
+        return replace(robot, posture=_of_file(robot, Path(file), name))
     known: dict[str, Mapping[str, float]] = dict(keyframes_of(robot))
     if posture not in known and posture == STANDING:
         found = standing(robot)
@@ -73,7 +97,8 @@ def postured(robot: Robot, posture: str | None) -> Robot:
         raise RobotError(
             f"it has no posture {posture!r}",
             where=f"robot {robot.name}",
-            fix=f"its postures are {nearest(posture, names)}; or give a file that ends in {ENDING}",
+            fix=f"its postures are {nearest(posture, names)}; or give a file that ends in "
+            f"{ENDING} or {SRDF}",
         )
     return replace(robot, posture=known[posture])
 
@@ -120,6 +145,24 @@ def _raised(robot: Robot) -> dict[str, float]:
     pose = model.qpos0.copy()
     pose[found[0]] -= low / found[1]
     return told(robot, model, pose)
+
+
+def _of_file(robot: Robot, path: Path, name: str | None = None) -> dict[str, float]:
+    """Return the posture in a file; of several the one of a name, else of a usual name."""
+    if path.suffix != SRDF:
+        return _read(path)
+    known = srdf_postures(path, robot)
+    usual = next((each for each in USUAL if each in known), None)
+    named = name or usual or (next(iter(known)) if len(known) == 1 else None)
+    if named not in known:
+        raise RobotError(
+            f"there is no posture {named!r}" if named else f"it holds {len(known)} postures",
+            where=str(path),
+            fix=f"say {path}:NAME, where NAME is {nearest(named or '', known)}"
+            if known
+            else f"name an SRDF with a group_state of {robot.name}'s joints",
+        )
+    return known[named]
 
 
 def _read(path: Path) -> dict[str, float]:

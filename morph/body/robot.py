@@ -13,6 +13,9 @@ if TYPE_CHECKING:
     from morph.body.card import Card
     from morph.body.finding import DescriptionFinding
 
+FREEDOMS = {"hinge": 1, "slide": 1, "ball": 3, "free": 6}
+"""Degrees of freedom of each kind of joint."""
+
 Part = TypeVar("Part", "Link", "Joint", "Actuator")
 
 

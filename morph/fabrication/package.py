@@ -14,8 +14,8 @@ from morph.body.card import SCHEMA as CARD
 from morph.body.card import Card, Checks, Citation
 from morph.body.card_text import card_text
 from morph.body.convert import FORMATS, convert
-from morph.body.load import FREEDOMS, load
-from morph.body.robot import Robot
+from morph.body.load import load
+from morph.body.robot import FREEDOMS, Robot
 from morph.errors import MakeError
 from morph.fabrication.content import Package
 from morph.fabrication.pack import packed

@@ -13,7 +13,8 @@ import pytest
 
 from morph.arrays import Array
 from morph.body import shelf
-from morph.body.load import FREEDOMS, load
+from morph.body.load import load
+from morph.body.robot import FREEDOMS
 from morph.body.spec import spec_of
 from morph.body.twin import twin_of
 from morph.body.vary import OPERATIONS

@@ -125,6 +125,10 @@ class Inspect:
     """Folder outside which nothing is read; by default the description's own."""
     strict: bool = False
     """Exit with status 2 if anything was repaired."""
+    picture: File = None
+    """Draw it in the posture in which tasks on a floor start, into a .png file."""
+    posture: Posture = None
+    """Draw it in another posture: as `morph simulate --posture`."""
     json: bool = False
     """Print JSON, by the schema morph.inspection/1."""
 

@@ -5,11 +5,16 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Iterable, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from morph.app.cli.arguments import Inspect
 from morph.app.cli.console import TIE, harmless, paragraph, say, table, width
 from morph.app.cli.limbs_text import limbs_text, many, shown
+from morph.app.cli.output_file import check_output_file
+from morph.app.picture.endings import PICTURES
+from morph.errors import OutputError
+from morph.extras import require
 
 if TYPE_CHECKING:
     from morph.body.finding import DescriptionFinding
@@ -46,16 +51,41 @@ Lines = list[tuple[str, str]]
 
 
 def run_inspect(options: Inspect) -> int:
-    """Print what was found and return the exit status."""
+    """Print what was found and return the exit status.
+
+    Raises:
+        MorphError: It cannot be drawn, or has no such posture.
+    """
     from morph.body.inspect import inspect_robot
 
+    if options.picture is not None:
+        check_output_file("--picture", options.picture, tuple(PICTURES))
+        require("view", "morph inspect --picture")
+    elif options.posture is not None:
+        raise OutputError(
+            "there is no picture to draw in it", where="--posture", fix="give --picture too"
+        )
     result = inspect_robot(options.robot, base=options.base, folder=options.folder)
     if options.json:
         sys.stdout.write(json.dumps(result.as_json(), indent=2, allow_nan=False) + "\n")
     else:
         _show(result)
+    if options.picture is not None and result.robot is not None:
+        _draw(result.robot, options.posture, Path(options.picture))
     bad = result.verdict == "refused" or (options.strict and result.verdict != "ok")
     return UNUSABLE if bad else OK
+
+
+def _draw(robot: Robot, posture: str | None, path: Path) -> None:
+    """Draw a robot on the floor, in a posture or that in which tasks start."""
+    from morph.app.picture.video import picture
+    from morph.body.postures import posture_of, postured
+    from morph.body.spec import spec_of
+    from morph.sim.start import started
+
+    start = posture_of(postured(robot, posture))
+    position, _ = started(robot, spec_of(robot).compile(), start)
+    picture(robot, (), position, path)
 
 
 def _show(result: Inspection) -> None:

@@ -4,17 +4,16 @@ from __future__ import annotations
 
 import json
 import math
-import os
 import sys
-import tempfile
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from morph.app.cli.output_file import check_output_file
 from morph.app.cli.simulate_arguments import Simulate
-from morph.errors import MorphError, OutputError, SimulationFailed
+from morph.errors import MorphError, SimulationFailed
 from morph.extras import require
 
 if TYPE_CHECKING:
@@ -254,34 +253,12 @@ def _outputs(options: Simulate) -> tuple[Path | None, Path | None]:
         ("--video", options.video, tuple(FILMS)),
     ):
         if name is not None:
-            _check(option, name, endings)
+            check_output_file(option, name, endings)
         checked.append(None if name is None else Path(name))
     for option, asked in (("--video", options.video), ("--view", options.view)):
         if asked:
             require("view", f"morph simulate {option}")
     return checked[0], checked[1]
-
-
-def _check(option: str, name: str, endings: Sequence[str]) -> None:
-    path = Path(name)
-    # A name that is all ending, such as `.mp4`, is a hidden file without one.
-    if not path.name.lower().endswith(tuple(endings)) or path.name.lower() in endings:
-        raise OutputError(
-            f"{name!r} does not say which kind of file to write",
-            where=option,
-            fix=f"end the name in {', '.join(endings)}",
-        )
-    try:
-        if path.is_dir():
-            raise OutputError("this is a folder", where=name, fix=f"name a file for {option}")
-        standing = next(parent for parent in path.absolute().parents if parent.exists())
-        os.rmdir(tempfile.mkdtemp(dir=standing, prefix=".morph-"))
-    except OSError as error:
-        raise OutputError(
-            f"nothing can be written there: {error.strerror or error}",
-            where=name,
-            fix="name a folder that you may write to",
-        ) from error
 
 
 @contextmanager

@@ -39,8 +39,8 @@ class Simulate:
     """Standard deviation of the noise of recorded positions and orientations, rad or m; with it
     velocities are not recorded."""
     posture: Posture = None
-    """Where it starts: a keyframe, standing, rest (as described) or a TOML file of JOINT = 0.5;
-    on a floor by default a keyframe called home or stand, else standing, else rest."""
+    """Where it starts: a keyframe, standing, rest (as described), a TOML file of JOINT = 0.5 or
+    an SRDF file; on a floor by default a keyframe such as home, else standing, else rest."""
     start: Annotated[Many, unset("NAME=VALUE")] = ()
     """What differs from the posture: JOINT=0.5 (rad or m), hull.position.z=1; may be repeated."""
     speed: Annotated[Many, unset("NAME=VALUE")] = ()

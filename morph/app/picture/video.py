@@ -15,7 +15,7 @@ import numpy as np
 from morph.app.picture.camera import AZIMUTH, ELEVATION, Framing, framing
 from morph.app.picture.canvas import Canvas, Picture, canvas
 from morph.app.picture.encode import gif, mp4
-from morph.app.picture.endings import FILMS
+from morph.app.picture.endings import FILMS, PICTURES
 from morph.app.picture.scene import is_wet, scene_model, settle
 from morph.app.picture.times import nearest_samples
 from morph.arrays import Array
@@ -62,6 +62,32 @@ def film(
     encode = mp4 if path.suffix.lower() == ".mp4" else gif
     with canvas(model, size) as drawn, _whole(path) as temporary:
         encode(temporary, _pictures(drawn, view, shown, wet, progress), rate, size)
+    return path
+
+
+def picture(robot: Robot, effects: Sequence[Effect], position: Array, path: Path) -> Path:
+    """Write one picture of a robot and return its path.
+
+    Args:
+        robot: The robot.
+        effects: What acts on it: water and ground are drawn.
+        position: MuJoCo's `qpos`, shape (nq,).
+        path: Where to; the ending is one of `PICTURES`.
+
+    Raises:
+        OutputError: As `film`.
+        SimulationFailed: As `film`.
+    """
+    from PIL import Image
+
+    size, shown = PICTURES[path.suffix.lower()], position[None]
+    wet = is_wet(effects)
+    model = scene_model(robot, effects, size)
+    view = framing(model, shown, 1.0)
+    settle(model, view.lowest, view.radius, wet=wet)
+    with canvas(model, size) as drawn, _whole(path) as temporary:
+        for each in _pictures(drawn, view, shown, wet, lambda share: None):
+            Image.fromarray(np.ascontiguousarray(each)).save(temporary)
     return path
 
 

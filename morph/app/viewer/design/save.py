@@ -16,8 +16,8 @@ from morph.app.viewer.design.parameters import effective, usable
 from morph.body.card import SCHEMA, Card, CardParameter, Checks, Citation, Motor, PrintTable
 from morph.body.card_text import card_text
 from morph.body.convert import convert
-from morph.body.load import FREEDOMS, TOLERANCE, load
-from morph.body.robot import Robot
+from morph.body.load import TOLERANCE, load
+from morph.body.robot import FREEDOMS, Robot
 from morph.body.shelf import names, user_shelf
 from morph.body.vary import Lock, Stiffen
 from morph.errors import OutputError, ViewError

@@ -9,8 +9,7 @@ import numpy as np
 from morph.app.viewer.mismatch.window import MismatchModel, MismatchTrace
 from morph.app.viewer.motion import RATE
 from morph.arrays import Array
-from morph.body.load import FREEDOMS
-from morph.body.robot import Robot
+from morph.body.robot import FREEDOMS, Robot
 from morph.model.episodes import Episode
 from morph.model.hypothesis import Hypothesis
 from morph.model.score import rmse, rollouts, traces

@@ -12,7 +12,7 @@ from PIL import Image
 from morph.app.picture import video
 from morph.app.picture.canvas import canvas
 from morph.app.picture.scene import scene_model
-from morph.app.picture.video import film
+from morph.app.picture.video import film, picture
 from morph.body.load import load
 from morph.errors import OutputError
 from morph.sim.simulator import Simulator, Trajectory
@@ -37,9 +37,9 @@ def swing() -> Trajectory:
     return Simulator(load("pendulum")).trajectory(seconds=0.5, start={"hinge": 1.2})
 
 
-def orange(picture: Any) -> Any:
+def orange(seen: Any) -> Any:
     """Return the middle, in columns and rows, of what is orange: the pendulum's bob."""
-    red, green, blue = (picture[..., at].astype(int) for at in range(3))
+    red, green, blue = (seen[..., at].astype(int) for at in range(3))
     rows, columns = np.nonzero((red > 150) & (green < 0.75 * red) & (blue < 0.5 * red))
     return np.array([columns.mean(), rows.mean()])
 
@@ -60,6 +60,21 @@ def test_a_gif_shows_the_motion_in_real_time(swing: Trajectory, tmp_path: Path) 
     # From 1.2 rad it swings down and back: each picture further to the left than the last.
     assert (np.diff([middle[0] for middle in middles]) < 0).all()
     assert shares == pytest.approx(np.arange(1, 7) / 6)
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_picture_shows_the_pose_that_is_given(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(video, "PICTURES", {".png": (160, 96)})
+    middles = []
+    for angle in (-0.8, 0.8):
+        path = picture(load("pendulum"), (), np.array([angle]), tmp_path / "a.png")
+        with Image.open(path) as image:
+            assert (image.format, image.size) == ("PNG", (160, 96))
+            middles.append(orange(np.asarray(image.convert("RGB"))))
+    # As in the film, what has swung further stands further to the right.
+    assert middles[1][0] > middles[0][0] + 10
     assert list(tmp_path.iterdir()) == [path]
 
 
