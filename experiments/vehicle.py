@@ -1,10 +1,11 @@
 """A BlueROV2 in a tank, diagnosed: are drag and its thrusters' dead zone named without being told?
 
-The description floats and is pushed by its thrusters; what the water does is left out. The fast
-session's first three fifths are fitted, the last two held out: surge velocity, along the hull, of
-rollouts of ten seconds, by differences of positions as the recorded one. Controls: as described,
-own parameters refitted, told the drag and added mass that others published for this vehicle with
-thrust refitted, and the publishers' own simulations of the same session.
+The description floats and is pushed by its thrusters; what the water does is left out. The slow
+session, whose commands are a quarter, and the fast one's first three fifths, with commands up to
+three quarters, are fitted; the fast one's last two fifths are held out: surge velocity, along the
+hull, of rollouts of ten seconds, by differences of positions as the recorded one. Controls: as
+described, thrust refitted, told the drag and added mass that others published for this vehicle
+with thrust refitted, and the publishers' own simulations of the same part.
 """
 
 from __future__ import annotations
@@ -44,7 +45,9 @@ EXAMPLE = """examples:
   python -m experiments.vehicle --session slow --json"""
 FOLDER, DESCRIPTION = "bluerov2_saabmarine", Path(__file__).with_name("bluerov2")
 PARTS, FITTED = 5, 3
-"""Into how many parts a session is cut, and how many of the first are fitted."""
+"""Into how many parts the session held out is cut, and how many of the first are fitted."""
+FILES = {"slow": "2025_05_27-11_10_52_sync", "fast": "2025_05_27-11_57_50"}
+"""The files of the sessions."""
 HORIZON = 10.0
 """Seconds of the held-out rollouts."""
 VARY = {"gain": 0.5}
@@ -126,11 +129,12 @@ def with_thrust(hypothesis: Hypothesis, segments: Segments) -> Array:
 
 
 def studied(root: Path, session: str) -> JSON:
-    """Return what is found in one session, and errors of surge velocity."""
+    """Return what is found without one session's last parts, and errors of surge in them."""
     robot = load(DESCRIPTION)
-    (whole,) = bound("bluerov2", FOLDER, robot, [session], root=root)
+    others = [name for name in FILES if name != session]
+    whole, *rest = bound("bluerov2", FOLDER, robot, [session, *others], root=root)
     parts = parts_of(whole)
-    fitted, aside = parts[:FITTED], parts[FITTED:]
+    fitted, aside = [*rest, *parts[:FITTED]], parts[FITTED:]
     found = diagnose(robot, fitted, held_out=aside, horizon=HORIZON, vary=VARY)
     step = step_for(fitted, robot)
     train, segments = (
@@ -172,8 +176,7 @@ def studied(root: Path, session: str) -> JSON:
 
 def theirs(root: Path, session: str) -> dict[str, float]:
     """Return the errors of the publishers' simulations of surge in the held-out part, m/s."""
-    file = {"slow": "2025_05_27-11_10_52_sync", "fast": "2025_05_27-11_57_50"}[session]
-    with np.load(root / FOLDER / f"rosbag2_{file}_0_3dof_data_all.npz") as data:
+    with np.load(root / FOLDER / f"rosbag2_{FILES[session]}_0_3dof_data_all.npz") as data:
         real = np.array(data["real_vel"])[:, 0]
         made = {name: np.array(data[f"sim_vel_{name}"])[:, 0] for name in THEIRS}
     first = len(real) * FITTED // PARTS
@@ -207,7 +210,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument(
-        "--session", choices=("slow", "fast"), default="fast", help="which is diagnosed"
+        "--session", choices=tuple(FILES), default="fast", help="whose last parts are held out"
     )
     parser.add_argument("--json", action="store_true", help="print JSON instead of a table")
     asked, save = parse_and_save(parser, arguments, module="experiments.vehicle")

@@ -99,6 +99,7 @@ CODES: dict[str, str] = {
     "axis-flipped": "A joint turns the other way than its twin on the other side.",
     "limb-mirrored": "A limb stands on the side of its twin.",
     "self-collision": "Two parts overlap in the home pose.",
+    "keyframe-range": "A keyframe puts a joint beyond its range.",
     # The files themselves.
     "file-refused": "A file cannot be read, or holds what no description may.",
     "engine-refused": "MuJoCo cannot use what was read.",

@@ -25,8 +25,12 @@ from morph.body.quiet import quiet
 from morph.body.refusal import about_file, refusal
 from morph.body.robot import Robot
 from morph.body.spec import spec_of
+from morph.body.within_limits import within_limits
 from morph.body.xml import Element
 from morph.errors import RobotError
+
+ROUNDED = 1e-6
+"""Farthest that a keyframe may be from a range that is written with as many digits, rad or m."""
 
 
 def robot_from_mjcf(tree: Element, path: Path, files: Files, card: Card | None) -> Robot:
@@ -70,6 +74,7 @@ def robot_from_mjcf(tree: Element, path: Path, files: Files, card: Card | None) 
     with quiet():
         looked += self_collisions(draft, overlaps(model))
     findings += [_unchanged(finding) for finding in looked]
+    findings += _beyond(model, lines)
     return replace(robot, findings=(*findings, *robot.findings))
 
 
@@ -78,6 +83,28 @@ def _unchanged(finding: DescriptionFinding) -> DescriptionFinding:
     if finding.severity == "info":
         return finding
     return replace(finding, severity="info", done="nothing")
+
+
+def _beyond(model: Any, lines: ElementLines) -> list[DescriptionFinding]:
+    """Return which joints keyframes put beyond their ranges."""
+    findings = []
+    for at, pose in enumerate(model.key_qpos):
+        off = np.abs(within_limits(model, pose) - pose)
+        for joint in np.flatnonzero(off[model.jnt_qposadr] > ROUNDED):
+            name, (low, high) = model.joint(joint).name, model.jnt_range[joint]
+            findings.append(
+                DescriptionFinding(
+                    code="keyframe-range",
+                    severity="info",
+                    where=lines.place("joint", name),
+                    what=f"keyframe {model.key(at).name or at + 1} puts it at "
+                    f"{pose[model.jnt_qposadr[joint]]:.4g}, and its range is "
+                    f"{low:.4g} to {high:.4g}",
+                    done="simulations and tasks start it at the end of its range",
+                    fix="correct the keyframe, or the range",
+                )
+            )
+    return findings
 
 
 def _mend(spec: Any, lines: ElementLines) -> list[DescriptionFinding]:

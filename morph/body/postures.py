@@ -10,6 +10,7 @@ from typing import Any
 
 import mujoco
 
+from morph.arrays import Array
 from morph.body.limbs import torso_of
 from morph.body.robot import Robot
 from morph.body.spec import spec_of
@@ -34,6 +35,8 @@ USUAL = ("home", "stand", "standing", "half_sitting", "default")
 def keyframes_of(robot: Robot, model: Any = None) -> dict[str, dict[str, float]]:
     """Return the postures of a robot's keyframes and card, as simulations are told to start.
 
+    Keyframes are brought within the limits of joints, as these would throw it back.
+
     Args:
         robot: The robot.
         model: Its compiled `mujoco.MjModel`, where there is one already.
@@ -43,8 +46,8 @@ def keyframes_of(robot: Robot, model: Any = None) -> dict[str, dict[str, float]]
     """
     model = spec_of(robot).compile() if model is None else model
     known = {
-        model.key(at).name or f"keyframe {at + 1}": told(robot, model, model.key_qpos[at])
-        for at in range(model.nkey)
+        model.key(at).name or f"keyframe {at + 1}": told(robot, model, pose)
+        for at, pose in enumerate(_startable(robot, model, pose) for pose in model.key_qpos)
     }
     return known | card_postures(robot)
 
@@ -124,10 +127,12 @@ def described(robot: Robot) -> dict[str, float]:
 
     A closed chain would be torn joint by joint, and is left.
     """
-    if robot.loops:
-        return {}
     model: Any = spec_of(robot).compile()
-    return told(robot, model, within_limits(model, model.qpos0))
+    return told(robot, model, _startable(robot, model, model.qpos0))
+
+
+def _startable(robot: Robot, model: Any, pose: Array) -> Array:
+    return pose if robot.loops else within_limits(model, pose)
 
 
 def _raised(robot: Robot) -> dict[str, float]:

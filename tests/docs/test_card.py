@@ -21,6 +21,7 @@ TABLES = {
     "`[[motor]]`": card.Motor,
     "`[[measured]]`": card.Measured,
     "`[[closure]]`": card.Closure,
+    "`[[posture]]`": card.CardPosture,
     "`[[parameter]]`": card.CardParameter,
     "`[water]`": card.Water,
     "`[print]`": card.PrintTable,

@@ -166,8 +166,10 @@ MJCF: dict[str, str] = {
     "engine-refused": '<body><joint type="spiral"/><geom size="1"/></body>',
     # Two hinges about one line: nothing tells their accelerations apart.
     "engine-warning": '<body><joint/><joint/><geom size="1"/></body>',
+    "keyframe-range": '<body><joint range="-1 1"/><geom size="1"/></body></worldbody>'
+    '<keyframe><key qpos="0.1"/></keyframe><worldbody>',
 }
-"""What MJCF alone can show: the content of the world."""
+"""What MJCF alone can show: the content of the world, and what follows it."""
 
 ELSEWHERE: dict[str, str] = {}
 """Codes that no least description raises, with the reason; it should stay empty."""

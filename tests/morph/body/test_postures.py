@@ -11,7 +11,8 @@ from morph.body.postures import keyframes_of, posture_of, postured
 from morph.body.robot import Robot
 from morph.errors import RobotError
 
-LEG = """<mujoco model="leg"><worldbody><body name="trunk" pos="0 0 1"><freejoint/>
+LEG = """<mujoco model="leg"><compiler angle="radian"/><worldbody>
+<body name="trunk" pos="0 0 1"><freejoint/>
 <geom size="0.1" mass="1"/><body name="shank" pos="0 0 -0.1">
 <joint name="knee" axis="0 1 0" range="-1 1" limited="true"/>
 <geom type="box" size="0.2 0.2 0.05" pos="0 0 -0.5" mass="1"/></body></body></worldbody>
@@ -44,6 +45,15 @@ def test_a_robot_starts_at_home_else_on_its_feet(tmp_path: Path) -> None:
     # Its sole is 0.1 + 0.55 m below the trunk.
     assert posture_of(leg(tmp_path, ""))["trunk.position.z"] == pytest.approx(0.65)
     assert posture_of(load("so101")) == {}
+
+
+def test_a_keyframe_beyond_a_range_starts_at_its_end_and_is_told(tmp_path: Path) -> None:
+    robot = leg(tmp_path, '<key name="home" qpos="0 0 0.65 1 0 0 0 -1.25"/>')
+    # The knee's range is -1 to 1 rad.
+    assert posture_of(robot)["knee"] == -1.0
+    (finding,) = [each for each in robot.findings if each.code == "keyframe-range"]
+    assert (finding.severity, finding.where.name) == ("info", "knee")
+    assert "keyframe home puts it at -1.25" in finding.what
 
 
 def test_a_posture_is_named_or_read_from_a_file(tmp_path: Path) -> None:
