@@ -33,6 +33,9 @@ ROUGHLY, LIKELY, BELIEVED, DECIDES, LITTLE = 0.3, 0.1, 0.03, 0.004, 0.002
 leaves much of it; up to the second a side of a change on which its law acts, refitted, is searched
 for what else acts; up to the third it counts as explained; up to the fourth, in all runs, evidence
 decides; below the last nothing changed where nothing was found."""
+FALLEN = 0.5
+"""Most of the missing force of all runs that is left on that side, where it is not explained: what
+is missing in both has another cause."""
 LOUD = 3.0
 """Mean square of a second's innovations, in their own variance, from which on something happened: a
 disturbance is that of the middle of a run. Clean runs have 2.2 at most."""
@@ -120,6 +123,7 @@ def _explains(change: Change, whole: Refit, recordings: Sequence[Recording]) -> 
         recordings: Those in which the law acts.
     """
     hypothesis = whole.hypothesis
+    most = max(BELIEVED, min(LIKELY, FALLEN * missing(whole.runs)))
     law = change.before if change.ceases else change.after
     step, robot = hypothesis.step, hypothesis.robot
     laid = [piece for recording in recordings for piece in pieces(recording, robot, step)]
@@ -128,11 +132,11 @@ def _explains(change: Change, whole: Refit, recordings: Sequence[Recording]) -> 
     episodes = stretches(laid, MOST_SECONDS)
     alone = refitted(hypothesis, whole.point, episodes)
     if law.label in labels(whole.effects):
-        return missing(alone.runs) <= LIKELY
+        return missing(alone.runs) <= most
     beside = replace(hypothesis, effects=(*whole.effects, law))
     start = np.append(alone.point, beside.start[len(alone.point) :])
     refit = refitted(beside, start, episodes, origin=alone)
-    return min(missing(each.runs) for each in (alone, refit)) <= LIKELY
+    return min(missing(each.runs) for each in (alone, refit)) <= most
 
 
 def confirmed(change: Change, ranking: Ranking) -> bool:

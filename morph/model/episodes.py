@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -92,15 +93,23 @@ class Episode:
         return self.recording.session
 
 
-def step_for(recordings: Sequence[Recording], robot: Robot, *, longest: float = 0.004) -> float:
+RARELY = 0.1
+"""Of the period between readings of a single body, its step."""
+
+
+def step_for(recordings: Sequence[Recording], robot: Robot, *, longest: float = math.inf) -> float:
     """Return the seconds a step: whole parts or multiples of the fastest clock's median period.
 
-    About 4 ms, 2.5 ms where servos add stiff damping, and never above `longest`.
+    About 4 ms, 2.5 ms where servos add stiff damping; of a single body that is read more rarely, a
+    tenth of its period; and never above `longest`.
     """
     measurement = Measurement.of(robot)
     periods = [min(map(period, measurement.clocks(each))) for each in recordings]
     usual = float(np.median(periods))
     wanted = 0.0025 if any(a.kind == "position" for a in robot.actuators) else 0.004
+    if all(joint.kind == "free" for joint in robot.joints):
+        # No joint has a spring or a motor that would be faster than what is read.
+        wanted = max(wanted, RARELY * usual)
     wanted = min(wanted, longest)
     if usual > wanted:
         return usual / float(np.ceil(usual / wanted - 0.1))

@@ -25,6 +25,8 @@ from morph.sim.tangent import (
 )
 
 KINDS = {"hinge": HINGE, "slide": SLIDE, "ball": BALL, "free": FREE}
+QUARTER = 0.5**0.5
+"""Product of two unit quaternions that are a quarter turn apart: the cosine of half of it."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -112,10 +114,7 @@ class Measurement:
         results = [without_spikes(recording.channel(name)) for name in self.recorded]
         for names in self.quaternions:
             parts = [recording.channel(name) for name in names]
-            whole = np.stack([part.at(parts[0].time) for part in parts], axis=1)
-            flipped = np.sum(whole[1:] * whole[:-1], axis=1) < 0.0
-            sign = np.cumprod(np.where(flipped, -1.0, 1.0))
-            whole[1:] *= sign[:, None]
+            whole = _of_one_sign(np.stack([part.at(parts[0].time) for part in parts], axis=1))
             turns = [replace(parts[0], value=values) for values in whole.T]
             kept = ~np.any([spikes(turn) for turn in turns], axis=0)
             results += [
@@ -232,6 +231,22 @@ def deviation(quaternion: Array, measured: Array) -> Array:
     It is along the axes in which they are given: quaternion = Exp(rotation) measured.
     """
     return rotation(product(quaternion, conjugate(measured)))
+
+
+def _of_one_sign(whole: Array) -> Array:
+    """Return quaternions that do not change their sign, shape (samples, 4).
+
+    One reading far from those on both sides, such as an angle averaged over its wrap, says nothing
+    of the sign of what follows: that is told by the one before.
+    """
+    near = np.sum(whole[1:] * whole[:-1], axis=1)
+    sign, across = np.where(near < 0.0, -1.0, 1.0), np.sum(whole[2:] * whole[:-2], axis=1)
+    far = np.abs(near) < QUARTER
+    alone = far[1:] & far[:-1] & (np.abs(across) > QUARTER)
+    sign[1:][alone] = np.where(across < 0.0, -1.0, 1.0)[alone] * sign[:-1][alone]
+    result = whole.copy()
+    result[1:] *= np.cumprod(sign)[:, None]
+    return result
 
 
 def unit(quaternion: Array) -> Array:

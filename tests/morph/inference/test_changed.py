@@ -203,13 +203,17 @@ def test_another_law_is_looked_for_on_both_sides_of_a_change(
     assert module._proven(change, kept, rest, None, lambda runs, of="": (None, runs[0])) is None
 
 
-@pytest.mark.parametrize(("alone", "beside", "explains"), [
-    (0.3, 0.3, False), (0.3, 0.01, True), (0.01, 12.0, True), (0.12, 0.24, False),
+@pytest.mark.parametrize(("everywhere", "alone", "beside", "explains"), [
+    (0.25, 0.3, 0.3, False), (0.25, 0.3, 0.01, True), (0.25, 0.01, 12.0, True),
+    (0.25, 0.12, 0.24, False), (0.25, 0.09, 0.2, True),
+    # As much is missing in all runs: what causes it has not changed.
+    (0.11, 0.09, 0.085, False), (0.11, 0.3, 0.05, True), (0.02, 0.3, 0.025, True),
 ])  # fmt: skip
 @pytest.mark.parametrize("ceases", [True, False])
 def test_a_side_is_searched_where_the_law_that_changed_leaves_little(
-    alone: float, beside: float, explains: bool, ceases: bool, monkeypatch: pytest.MonkeyPatch
-) -> None:
+    everywhere: float, alone: float, beside: float, explains: bool, ceases: bool,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:  # fmt: skip
     @dataclass(frozen=True)
     class Described:
         effects: tuple[Effect, ...] = ()
@@ -234,7 +238,10 @@ def test_a_side_is_searched_where_the_law_that_changed_leaves_little(
     law, idle = ViscousFriction(joint="axle", b=0.1), ViscousFriction(joint="axle", b=0.0)
     before, after = (law, idle) if ceases else (idle, law)
     change = Change(before=before, after=after, episode="run", time=1.0, gain=50.0, since=True)
-    whole: Any = SimpleNamespace(hypothesis=Described(), point=np.array([0.2]), effects=())
+    runs = ranking_of("", everywhere).best.refit.runs
+    whole: Any = SimpleNamespace(
+        hypothesis=Described(), point=np.array([0.2]), effects=(), runs=runs
+    )
     assert module._explains(change, whole, ["side"]) == explains
     assert starts == [(["side"], (), [0.2]), (["side"], (law,), [0.2, 0.7])]
     # Of a log with gaps no piece may be long enough.

@@ -107,7 +107,8 @@ def test_a_law_that_always_acts_or_never_is_no_change(wheel: Robot, always: bool
 def test_a_change_that_explains_nothing_is_not_told(
     wheel: Robot, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(importlib.import_module("morph.inference.changed"), "LIKELY", -1.0)
+    for name in ("LIKELY", "BELIEVED"):
+        monkeypatch.setattr(importlib.import_module("morph.inference.changed"), name, -1.0)
     assert not diagnose(wheel, runs(lambda run, at: run > 1 or (run == 1 and at >= 1.5))).changes
 
 

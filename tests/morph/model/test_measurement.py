@@ -78,6 +78,27 @@ def test_a_steady_spin_has_its_rate_in_the_body_s_axes_whatever_signs_were_logge
     assert same == pytest.approx(np.ones(201), abs=1e-12)
 
 
+def test_one_reading_far_off_turns_no_sign_of_those_after_it(floating: Robot) -> None:
+    # A heading beyond pi that was averaged over its wrap: at one reading of 120 it is 0.
+    found, time = Measurement.of(floating), 0.2 * np.arange(120)
+    heading = np.pi + 0.05 * (time - time[60])
+    quaternion = wxyz(Rotation.from_rotvec(heading[:, None] * np.array([0.0, 0.0, 1.0])))
+    wrong = wxyz(Rotation.from_euler("xyz", [[0.05, 0.0, 0.0]]))[0]
+    for sign in (1.0, -1.0):
+        logged = quaternion.copy()
+        logged[60] = sign * wrong
+        values = {name: np.zeros(120) for name in found.recorded}
+        values |= dict(zip(found.quaternions[0], logged.T, strict=True))
+        channels = {name: Channel(time=time, value=each) for name, each in values.items()}
+        *_, last = found.tracks(Recording(name="turn", channels=channels))
+        # The reading is dropped, and what is left moves by half of 0.05 rad/s over 0.2 s, or 0.4 s.
+        assert not np.isin(time[60], last.time)
+        assert len(last.time) == 119
+        turns = found.tracks(Recording(name="turn", channels=channels))[-4:]
+        steps = np.abs(np.diff(np.stack([turn.value for turn in turns], axis=1), axis=0))
+        assert steps.max() < 0.011
+
+
 def test_a_part_of_a_spin_has_the_orientations_of_its_readings(floating: Robot) -> None:
     found, time = Measurement.of(floating), np.linspace(0.0, 4.0, 401)
     quaternion = wxyz(Rotation.from_rotvec(time[:, None] * np.array([0.3, -0.4, 1.2])))
