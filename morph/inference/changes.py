@@ -174,9 +174,15 @@ def _exact(
     """Return a search over one law and times about a likely one, with columns that begin there."""
     every = list(changing_laws(base, list(effect_columns(grids))))
     laws, size = [law for law in every if law.label == near.label], 1 + len(base.point)
-    last = float(base.runs[near.run].motion.time[-1])
-    first = max(0.0, near.time - AROUND)
-    times = np.append(0.0, np.arange(first, min(last, near.time + AROUND), FINE))
+    seen = base.runs[near.run]
+    last = float(seen.motion.time[-1])
+    times = np.arange(max(0.0, near.time - AROUND), min(last, near.time + AROUND), FINE)
+    if near.after.kind == "sensor":
+        # A reading jumps from one to the next: a step of a motion's forces is smooth, one of a
+        # sensor's law a reading too early is off by all of the jump.
+        read = seen.motion.time[seen.run.valid.any(axis=1)]
+        times = read[np.abs(read - near.time) < 2.0 * COARSE]
+    times = np.append(0.0, times)
 
     allowed = np.ones(len(times), dtype=bool)
     if near.run == 0:

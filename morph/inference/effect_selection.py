@@ -199,9 +199,12 @@ class EffectSelection:
         for members, result in listed.items():
             if self.late():
                 return []
-            losses[members], listed[members] = simulated(
-                result, search, base, validation, believed=self.believed
-            )
+            tried = simulated(result, search, base, validation, believed=self.believed)
+            if self.by_forces and tried[0] > now:
+                # What forces say of own parameters need not hold in rollouts.
+                weaker = simulated(result, search, base, validation, believed=False)
+                tried = min(tried, weaker, key=lambda one: one[0])
+            losses[members], listed[members] = tried
         by_rollouts = sorted(listed.values(), key=lambda one: losses[one.members])
         # A stiff spring diverges in long steps. So may the likeliest set, far from the base.
         most = now + DIVERGED * base.refit.runs[0].about.velocity.shape[1]

@@ -45,8 +45,8 @@ MOST_FIRST = 4
 NEAR = 0.3
 """The same of a set found by output error, below which the whitened likelihood refits it, to see
 whether readings are then explained to their noise."""
-MOST_ROUNDS, FAR_ROUNDS = 3, 1
-"""Most of these searches, and most by output error, which takes long."""
+MOST_ROUNDS, FAR_ROUNDS = 3, 3
+"""Most of these searches after the first, and most by output error, each of which takes long."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -8,8 +8,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from morph.arrays import Array
-from morph.physics.effect import Effect
-from morph.physics.fluid.numbers import add_numbers
+from morph.physics.fluid.numbers import QUADRATIC, add_numbers
 from morph.physics.fluid.wet import AXES, WetEffect, refer, shift
 from morph.physics.motion import Motion
 
@@ -31,12 +30,8 @@ class Drag(WetEffect):
         """Add to the link's numbers for the fluid."""
         strengths = [getattr(self, axis) for axis in AXES]
         if any(strengths):
-            refer(spec, self.body, self.centre, self.label)
+            refer(spec, self.body, self.centre, quadratic=self.slot == QUADRATIC)
         add_numbers(spec, self.body, self.slot, strengths)
-
-    def beside(self, other: Effect) -> bool:
-        """Return whether it is the only drag of its link: two would refer to one point."""
-        return not (isinstance(other, Drag) and other.body == self.body)
 
     def regressor(self, motion: Motion) -> Array:
         """Return the force of each axis for a drag of one."""

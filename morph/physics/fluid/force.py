@@ -14,10 +14,16 @@ from morph.physics.fluid.numbers import (
     DISPLACED,
     LINEAR,
     POINT,
-    QUADRATIC,
     SCALE,
 )
-from morph.physics.fluid.reference import gyroscopic, shed, tensor, through_fluid, wet_bodies
+from morph.physics.fluid.reference import (
+    gyroscopic,
+    shed,
+    squared,
+    tensor,
+    through_fluid,
+    wet_bodies,
+)
 
 
 def water_forces(model: mujoco.MjModel, data: mujoco.MjData) -> Array:
@@ -51,5 +57,5 @@ def _moving(model: mujoco.MjModel, data: mujoco.MjData, body: int) -> Array:
     added = scale * tensor(numbers[ADDED])
     moving, slope = through_fluid(data, body, jacobian, rate, numbers[CURRENT])
     load = -added @ (jacobian @ data.qacc + slope) - gyroscopic(moving, added @ moving)
-    load -= scale * (numbers[LINEAR] + numbers[QUADRATIC] * abs(moving)) * moving
+    load -= scale * numbers[LINEAR] * moving - squared(model, data, body)[1]
     return np.asarray(turned @ load[:3] + shed(model, data, body)[1])

@@ -13,9 +13,10 @@
 
 /* Where each quantity stands in body_user; numbers.py has the same table. */
 enum { MARK = 0, SCALE = 1, ADDED = 2, POINT = 23, DISPLACED = 26, CENTRE = 27, LINEAR = 30,
-       QUADRATIC = 36, CURRENT = 42, EDGE = 45, CHORD = 48, NORMAL = 51, SHED = 54, WIDTH = 55 };
+       QUADRATIC = 36, CURRENT = 42, EDGE = 45, CHORD = 48, NORMAL = 51, SHED = 54,
+       APART = 55, WIDTH = 58, FEWER = 55 };
 
-#define SIGNATURE (-0.71875) /* no description of a robot puts this number first of 55 */
+#define SIGNATURE (-0.71875) /* no description of a robot puts this number first of so many */
 #define WETTED 1.0       /* d->crb of the world, which MuJoCo sets to 0 with every new M */
 
 typedef void (*factor_function)(const mjModel*, mjData*);
@@ -164,15 +165,16 @@ static void buoyancy(mjtNum* force, const mjtNum* u, const mjtNum* R, const mjtN
   push(force, at, f);
 }
 
-static void drag(mjtNum* force, const mjtNum* u, const mjtNum* R, const mjtNum* d,
-                 const mjtNum* motion) {
+static void drag(mjtNum* force, const mjtNum* u, int linear, int quadratic, const mjtNum* R,
+                 const mjtNum* d, const mjtNum* motion) {
   mjtNum world[3], here[6], load[6], f[3], torque[3];
   cross(world, motion, d);
   for (int i = 0; i < 3; i++) world[i] += motion[3+i];
   turn_back(here, R, world);
   turn_back(here + 3, R, motion);
   for (int i = 0; i < 6; i++)
-    load[i] = -u[SCALE] * (u[LINEAR+i] + u[QUADRATIC+i] * fabs(here[i])) * here[i];
+    load[i] = -u[SCALE] * ((linear ? u[LINEAR+i] : 0) + (quadratic ? u[QUADRATIC+i] * fabs(here[i]) : 0))
+              * here[i];
   turn(f, R, load);
   turn(torque, R, load + 3);
   push(force, d, f);
@@ -232,7 +234,7 @@ static void add_inertia(const mjModel* m, mjData* d, Inertia* K, mjtNum* wet) {
 }
 
 static int any_wet(const mjModel* m) {
-  if (m->nuser_body < WIDTH) return 0;
+  if (m->nuser_body < FEWER) return 0;
   for (int b = 1; b < m->nbody; b++) {
     const mjtNum* u = m->body_user + (size_t)b * m->nuser_body;
     if (u[MARK] == SIGNATURE && u[SCALE] != 0) return 1;
@@ -275,7 +277,15 @@ void morph_fluid(const mjModel* m, mjData* d) {
     placed(K + b, u + ADDED, u[SCALE], R, point);
     inertial(f, K + b, motion, slope);
     if (u[DISPLACED] != 0) buoyancy(f, u, R, body, gravity);
-    drag(f, u, R, point, motion);
+    const mjtNum* apart = m->nuser_body < WIDTH ? still : u + APART;
+    int same = apart[0] == 0 && apart[1] == 0 && apart[2] == 0;
+    drag(f, u, 1, same, R, point, motion);
+    if (!same) {
+      mjtNum other[3];
+      turn(other, R, apart);
+      for (int i = 0; i < 3; i++) other[i] += point[i];
+      drag(f, u, 0, 1, R, other, motion);
+    }
     if (u[SHED] != 0) thrust(f, u, R, body, motion);
   }
   for (int b = m->nbody - 1; b > 0; b--) {

@@ -1,4 +1,4 @@
-"""What the fluid knows of a body: 55 numbers in MuJoCo's `body_user`, and where each stands."""
+"""What the fluid knows of a body: 58 numbers in MuJoCo's `body_user`, and where each stands."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 from morph.errors import EffectError
 
 SIGNATURE = -0.71875
-"""What stands first in a wet body: no description of a robot puts this number first of 55.
+"""What stands first in a wet body: no description of a robot puts this number first of 55 or 58.
 
 MuJoCo writes six digits, and as 0 what is 1e-12 of the greatest of a body's numbers; this one
 is exact in six digits, and small.
@@ -21,7 +21,7 @@ SCALE = slice(1, 2)
 ADDED = slice(2, 23)
 """Added mass about the point below: the upper triangle of K, row by row; kg, kg m, kg m2."""
 POINT = slice(23, 26)
-"""The point to which added mass and drag refer, in the body's frame, m."""
+"""The point to which added mass and linear drag refer, in the body's frame, m."""
 DISPLACED = slice(26, 27)
 """Mass of the displaced fluid, kg."""
 CENTRE = slice(27, 30)
@@ -40,15 +40,18 @@ NORMAL = slice(51, 54)
 """Unit vector normal to the paddle at that edge."""
 SHED = slice(54, 55)
 """Virtual mass per length of what the edge sheds, times a coefficient, kg/m."""
-WIDTH = 55
-"""How many there are; kernel.c has the same table."""
+APART = slice(55, 58)
+"""From the point above to that to which quadratic drag refers, m."""
+WIDTH, FEWER = 58, 55
+"""How many there are, and without the last three, as in files of version 0.1; kernel.c has the
+same table."""
 
 
 def numbers_of(spec: Any, body: str) -> list[float]:
     """Return a body's numbers in a `mujoco.MjSpec`, fresh ones where it is not wet yet."""
     held = list(_body(spec, body).userdata)
-    if len(held) >= WIDTH and held[0] == SIGNATURE:
-        return held
+    if len(held) >= FEWER and held[0] == SIGNATURE:
+        return held + [0.0] * (WIDTH - len(held))
     return [SIGNATURE, 1.0] + [0.0] * (WIDTH - 2)
 
 

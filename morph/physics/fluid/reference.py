@@ -9,11 +9,13 @@ from morph.arrays import Array, Integers
 from morph.physics.body_jacobian import jacobian_of
 from morph.physics.fluid.numbers import (
     ADDED,
+    APART,
     CENTRE,
     CHORD,
     CURRENT,
     DISPLACED,
     EDGE,
+    FEWER,
     LINEAR,
     NORMAL,
     POINT,
@@ -49,8 +51,9 @@ def passive(model: mujoco.MjModel, data: mujoco.MjData) -> None:
         inertia += jacobian.T @ added @ jacobian
         moving, slope = through_fluid(data, int(body), jacobian, rate, numbers[CURRENT])
         load = -added @ slope - gyroscopic(moving, added @ moving)
-        load -= numbers[SCALE] * (numbers[LINEAR] + numbers[QUADRATIC] * abs(moving)) * moving
+        load -= numbers[SCALE] * numbers[LINEAR] * moving
         data.qfrc_passive[:] += jacobian.T @ load
+        data.qfrc_passive[:] += _quadratic_drag(model, data, int(body))
         data.qfrc_passive[:] += _buoyancy(model, data, int(body), numbers)
         data.qfrc_passive[:] += _thrust(model, data, int(body))
     if data.crb[0, 0] != WETTED:
@@ -59,7 +62,7 @@ def passive(model: mujoco.MjModel, data: mujoco.MjData) -> None:
 
 def wet_bodies(model: mujoco.MjModel) -> Integers:
     """Return the indices of the bodies that feel the fluid."""
-    if model.nuser_body < WIDTH:
+    if model.nuser_body < FEWER:
         return np.zeros(0, dtype=np.int64)
     user = model.body_user
     return np.flatnonzero((user[:, 0] == SIGNATURE) & (user[:, SCALE][:, 0] != 0.0))
@@ -91,6 +94,20 @@ def gyroscopic(moving: Array, momentum: Array) -> Array:
     return np.concatenate(
         [np.cross(angular, push), np.cross(angular, spin) + np.cross(linear, push)]
     )
+
+
+def squared(model: mujoco.MjModel, data: mujoco.MjData, body: int) -> tuple[Array, Array]:
+    """Return the Jacobian (6, nv) of the point of a link's quadratic drag, and that drag, (6,)."""
+    numbers = model.body_user[body]
+    apart = numbers[APART] if len(numbers) >= WIDTH else 0.0
+    jacobian, rate = jacobian_of(model, data, body, numbers[POINT] + apart)
+    moving, _ = through_fluid(data, body, jacobian, rate, numbers[CURRENT])
+    return jacobian, -numbers[SCALE] * numbers[QUADRATIC] * abs(moving) * moving
+
+
+def _quadratic_drag(model: mujoco.MjModel, data: mujoco.MjData, body: int) -> Array:
+    jacobian, load = squared(model, data, body)
+    return np.asarray(jacobian.T @ load)
 
 
 def _buoyancy(model: mujoco.MjModel, data: mujoco.MjData, body: int, numbers: Array) -> Array:

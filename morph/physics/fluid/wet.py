@@ -8,14 +8,12 @@ import numpy as np
 
 from morph.arrays import Array
 from morph.body.robot import Robot
-from morph.errors import EffectError
 from morph.physics.body.point import PointEffect
 from morph.physics.body_jacobian import cross_matrix
 from morph.physics.fluid.numbers import (
     ADDED,
-    LINEAR,
+    APART,
     POINT,
-    QUADRATIC,
     numbers_of,
     write_numbers,
 )
@@ -44,24 +42,21 @@ def shift(centre: Array) -> Array:
     return whole
 
 
-def refer(spec: Any, body: str, centre: Array, label: str) -> None:
-    """Write the point to which a link's drag refers, and tell its added mass about that point.
+def refer(spec: Any, body: str, centre: Array, *, quadratic: bool) -> None:
+    """Write the point to which a link's linear or quadratic drag refers.
 
-    Raises:
-        EffectError: Another drag on this link refers to another point.
+    Its added mass is told about the point of the linear one, and the other point stays.
     """
     numbers = numbers_of(spec, body)
     held = np.array(numbers[POINT])
-    moved = not np.array_equal(held, centre)
-    if moved and (any(numbers[LINEAR]) or any(numbers[QUADRATIC])):
-        raise EffectError(
-            f"it refers to the point {centre.tolist()}, another drag of {body} to {held.tolist()}",
-            where=f"effect {label}",
-            fix="give linear and quadratic drag of one link the same cx, cy and cz",
-        )
-    if moved:
+    if quadratic:
+        numbers[APART] = (centre - held).tolist()
+        write_numbers(spec, body, numbers)
+        return
+    if not np.array_equal(held, centre):
         back = shift(held - centre)
         whole = back.T @ tensor(np.array(numbers[ADDED])) @ back
         numbers[ADDED] = whole[np.triu_indices(6)].tolist()
     numbers[POINT] = centre.tolist()
+    numbers[APART] = (np.array(numbers[APART]) + held - centre).tolist()
     write_numbers(spec, body, numbers)

@@ -39,6 +39,7 @@ def numbers(rng: np.random.Generator, *, ideal: bool) -> list[float]:
     found[at.SCALE] = rng.choice((0.0, 0.5, 1.0))
     found[at.DISPLACED], found[at.CENTRE] = 3.0, rng.uniform(-0.1, 0.1, 3)
     found[at.LINEAR], found[at.QUADRATIC] = rng.uniform(0.0, 1.0, (2, 6))
+    found[at.APART] = rng.choice((0.0, 1.0)) * rng.uniform(-0.1, 0.1, 3)
     found[at.CURRENT] = rng.uniform(-0.5, 0.5, 3)
     across = np.linalg.qr(rng.normal(size=(3, 3)))[0]
     found[at.EDGE], found[at.SHED] = rng.uniform(-0.2, 0.2, 3), rng.choice((0.0, 2.0))

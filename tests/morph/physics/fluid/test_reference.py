@@ -13,10 +13,10 @@ from morph.arrays import Array
 from morph.physics.fluid import reference
 from morph.physics.fluid.added_mass import AddedMass
 from morph.physics.fluid.kernel import install
-from morph.physics.fluid.numbers import ADDED, MARK, POINT, SCALE
+from morph.physics.fluid.numbers import ADDED, APART, FEWER, MARK, POINT, SCALE, WIDTH
 
 Make = Callable[..., Any]
-TREES = [(1, 0), (2, 11), (3, 2), (5, 3), (8, 4), (8, 5), (13, 6), (20, 7), (30, 8), (30, 9)]
+TREES = [(1, 0), (2, 12), (3, 2), (5, 3), (8, 4), (8, 5), (13, 6), (20, 7), (30, 8), (30, 9)]
 """Bodies and seed of each."""
 EXACT = 1e-12
 """Rounding of sums of some hundred terms: 300 * 2.2e-16 = 7e-14, and some room."""
@@ -188,3 +188,25 @@ def test_a_body_welded_to_another_adds_its_fluid_to_that_other(dense: Make) -> N
     expected = np.diag([1.0, 1.0, 3.0, 0.004, 0.504, 0.004])
     expected[2, 4] = expected[4, 2] = -1.0
     assert dense(model, data) == pytest.approx(expected, abs=1e-15)
+
+
+def test_a_file_of_version_01_has_both_drags_at_one_point(grown: Make, moving: Make) -> None:
+    spec = grown(3, 2)
+    for body in spec.bodies[1:]:
+        kept = list(body.userdata)
+        kept[APART] = [0.0] * 3
+        body.userdata = kept
+    new = spec.compile()
+    spec.nuser_body = FEWER
+    for body in spec.bodies[1:]:
+        body.userdata = list(body.userdata)[:FEWER]
+    old = spec.compile()
+    assert (new.nuser_body, old.nuser_body) == (WIDTH, FEWER)
+    data = moving(new, 2)
+    mujoco.mj_forward(new, data)
+    same = mujoco.MjData(old)
+    same.qpos[:], same.qvel[:] = data.qpos, data.qvel
+    mujoco.mj_forward(old, same)
+    assert np.abs(same.qfrc_passive).max() > 0.1
+    assert np.array_equal(same.qfrc_passive, data.qfrc_passive)
+    assert apart(by_numpy(old, same).qfrc_passive, data.qfrc_passive) < EXACT
