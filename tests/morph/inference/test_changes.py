@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -102,6 +103,18 @@ def test_a_law_that_always_acts_or_never_is_no_change(wheel: Robot, always: bool
     found = diagnose(wheel, runs(lambda run, at: always))
     assert not found.changes
     assert [each.onset for each in found.findings] == ([None] if always else [])
+
+
+def test_a_sensor_that_changes_is_told_to_the_reading(wheel: Robot) -> None:
+    # Laws that push are tried every 0.025 s; here readings jump 5 ms from such a time, by 0.06 rad.
+    *others, last = runs(lambda run, at: False, seconds=6.0)
+    channel, when = last.channels["axle.position"], 1.505
+    value = np.where(channel.time >= when, 1.1, 1.0) * channel.value
+    channels = last.channels | {"axle.position": replace(channel, value=value)}
+    (change,) = diagnose(wheel, [*others, replace(last, channels=channels)]).changes
+    assert (change.after.label, change.episode) == ("sensor_scale@axle.position", "run_3")
+    # The first reading that jumps is at 1.508 s, and readings carry noise.
+    assert change.time == pytest.approx(1.508, abs=1.5 * STEP)
 
 
 def test_a_change_that_explains_nothing_is_not_told(
