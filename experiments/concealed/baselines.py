@@ -164,7 +164,7 @@ def solve_by_lasso(folder: Path, seed: int) -> JSON:
             best[effect.label] = felt, effect.with_strengths(strengths)
     effects: tuple[Effect, ...] = ()
     for _, effect in sorted(best.values(), key=lambda each: -each[0]):
-        # Two drags of one link may not act at two points of it.
+        # Of pushes there is one a run.
         if len(effects) < 5 and all(effect.beside(other) for other in effects):
             effects = (*effects, effect)
     whole = Hypothesis(robot=task.robot, step=task.nominal.step, knobs=(), effects=effects)

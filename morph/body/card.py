@@ -16,8 +16,8 @@ SCHEMA = "morph.card/1"
 BASES = ("fixed", "floating", "board")
 """How a body may stand in the world."""
 
-MOST_BYTES = 2**18
-"""Largest card; the longest on the shelf has a few thousand bytes."""
+MOST_BYTES, MOST_POSTURES = 2**18, 100
+"""Largest card, bytes, and most postures; the longest on the shelf has a few thousand bytes."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -225,9 +225,7 @@ def load_card(path: Path) -> Card:
             card.water.wetted, ("mesh", "hull", "box"), "wetted", replace(place, section="water")
         )
     _check_inside(path.parent, card.description, place.key("description"))
-    for at, posture in enumerate(card.posture):
-        here = replace(place, section="posture", index=at)
-        _check_inside(path.parent, posture.file, here.key("file"))
+    _check_postures(card, path.parent, place)
     _check_masses(card, place)
     return card
 
@@ -237,14 +235,31 @@ def _check_inside(folder: Path, name: str, where: str) -> None:
     try:
         # A link may lead anywhere; only its end counts.
         inside = (folder / name).resolve().is_relative_to(folder.resolve())
+        inside &= Path(name).name == name
     except (OSError, RuntimeError, ValueError):
         inside = False
     if not inside:
         raise RobotError(
             f"{name!r} is no file in the card's folder",
             where=where,
-            fix="name a file in this folder, by its path from the card",
+            fix="put the file beside the card, and give its name",
         )
+
+
+def _check_postures(card: Card, folder: Path, place: Place) -> None:
+    taken = ["rest", "standing"]
+    for at, posture in enumerate(card.posture):
+        here = replace(place, section="posture", index=at)
+        _check_inside(folder, posture.file, here.key("file"))
+        if posture.name in taken or at >= MOST_POSTURES:
+            raise RobotError(
+                f"its card has more than {MOST_POSTURES} postures"
+                if at >= MOST_POSTURES
+                else f"its card calls a posture {posture.name!r}, as another is called",
+                where=here.key("name"),
+                fix="keep those that tasks start in, each with a name of its own",
+            )
+        taken.append(posture.name)
 
 
 def _check_masses(card: Card, place: Place) -> None:

@@ -11,7 +11,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from morph.body.ground import flatten
+from morph.body.postures import card_postures
 from morph.body.robot import Robot
+from morph.body.spec import spec_of
+from morph.body.told import posed
 from morph.body.urdf_shapes import file_name
 from morph.body.urdf_text import urdf_text
 from morph.errors import OutputError
@@ -164,6 +167,21 @@ def _write(contents: dict[str, str | bytes], folder: Path) -> None:
         shutil.rmtree(made, ignore_errors=True)
 
 
+def _add_keyframes(tree: ElementTree.Element, robot: Robot) -> None:
+    """Add the postures of a robot's card to its MJCF, as what is written has no such card."""
+    postures = card_postures(robot)
+    if not postures:
+        return
+    model = spec_of(robot).compile()
+    keys = tree.find("keyframe")
+    keys = ElementTree.SubElement(tree, "keyframe") if keys is None else keys
+    for name, posture in postures.items():
+        for other in [key for key in keys if key.get("name") == name]:
+            keys.remove(other)
+        pose = " ".join(map(repr, posed(robot, model, posture).tolist()))
+        ElementTree.SubElement(keys, "key", name=name, qpos=pose)
+
+
 def _mjcf(robot: Robot, inner: str) -> tuple[str, dict[str, bytes], tuple[str, ...]]:
     """Return a robot as MJCF, the files that it names, and what was left out."""
     tree = ElementTree.fromstring(robot.mjcf)
@@ -176,5 +194,6 @@ def _mjcf(robot: Robot, inner: str) -> tuple[str, dict[str, bytes], tuple[str, .
                 safe = file_name(path.stem, path.suffix)
                 assets[safe] = robot.assets[file]
                 element.set(key, f"{inner}/{safe}")
+    _add_keyframes(tree, robot)
     ElementTree.indent(tree)
     return ElementTree.tostring(tree, encoding="unicode") + "\n", assets, left_out

@@ -10,7 +10,7 @@ from morph.body import shelf
 from morph.body.card import Card, load_card
 from morph.body.description import read_description
 from morph.body.paths import MARKS
-from morph.body.postures import card_postures
+from morph.body.postures import check_card_postures
 from morph.body.robot import FREEDOMS, Robot
 from morph.errors import RobotError
 
@@ -45,7 +45,7 @@ def load(robot: str | Path, *, base: str | None = None, folder: str | Path | Non
     result = read_description(path, card, base=base, folder=Path(folder) if folder else None)
     if card is not None and base is None:
         _check(result, card)
-    card_postures(result)  # So that a file that cannot be used is told now.
+    check_card_postures(result)
     return result
 
 

@@ -74,7 +74,7 @@ def robot_from_mjcf(tree: Element, path: Path, files: Files, card: Card | None) 
     with quiet():
         looked += self_collisions(draft, overlaps(model))
     findings += [_unchanged(finding) for finding in looked]
-    findings += _beyond(model, lines)
+    findings += [] if robot.loops else _beyond(model, lines)
     return replace(robot, findings=(*findings, *robot.findings))
 
 

@@ -18,7 +18,7 @@ from morph.body.srdf import ENDING as SRDF
 from morph.body.srdf import srdf_postures
 from morph.body.standing import standing
 from morph.body.surface import height_of, lowest_of
-from morph.body.told import told
+from morph.body.told import names, posed, told
 from morph.body.within_limits import within_limits
 from morph.errors import RobotError
 from morph.nearest import nearest
@@ -60,10 +60,38 @@ def card_postures(robot: Robot) -> dict[str, dict[str, float]]:
     """
     if robot.card is None or robot.source is None:
         return {}
-    folder = Path(robot.source).parent
-    return {
-        each.name: _of_file(robot, folder / each.file, each.name) for each in robot.card.posture
-    }
+    folder, known = Path(robot.source).parent, names(robot)
+    srdf: dict[Path, dict[str, dict[str, float]]] = {}
+    postures = {}
+    for each in robot.card.posture:
+        path = folder / each.file
+        if _is(path, SRDF) and path not in srdf:
+            srdf[path] = srdf_postures(path, robot)
+        posture = _named(srdf[path], path, each.name) if path in srdf else _read(path)
+        # A robot that was varied may lack some of them.
+        postures[each.name] = {name: value for name, value in posture.items() if name in known}
+    return postures
+
+
+def check_card_postures(robot: Robot) -> None:
+    """Check the postures that a robot's card names.
+
+    Raises:
+        RobotError: A file of theirs cannot be used, or names what the robot does not have.
+    """
+    card_postures(robot)
+    if robot.card is None or robot.source is None:
+        return
+    known = names(robot)
+    for each in robot.card.posture:
+        path = Path(robot.source).parent / each.file
+        wrong = [] if _is(path, SRDF) else sorted(_read(path).keys() - known)
+        if wrong:
+            raise RobotError(
+                f"posture {each.name!r} names {wrong[0]!r}, which {robot.name} does not have",
+                where=str(path),
+                fix=f"nearest: {nearest(wrong[0], known)}",
+            )
 
 
 def postured(robot: Robot, posture: str | None) -> Robot:
@@ -82,11 +110,12 @@ def postured(robot: Robot, posture: str | None) -> Robot:
         return robot
     if posture == REST:
         return replace(robot, posture={})
-    file, colon, name = posture.rpartition(":")
-    if posture.endswith((ENDING, SRDF)):
-        return replace(robot, posture=_of_file(robot, Path(posture)))
-    if colon and file.endswith(SRDF):
-        return replace(robot, posture=_of_file(robot, Path(file), name))
+    file, colon, name = posture.partition(f"{SRDF}:")
+    if _is(Path(posture), ENDING):
+        return replace(robot, posture=_read(Path(posture)))
+    if colon or _is(Path(posture), SRDF):
+        path = Path(f"{file}{SRDF}" if colon else posture)
+        return replace(robot, posture=_named(srdf_postures(path, robot), path, name or None))
     known: dict[str, Mapping[str, float]] = dict(keyframes_of(robot))
     if posture not in known and posture == STANDING:
         found = standing(robot)
@@ -117,9 +146,12 @@ def posture_of(robot: Robot) -> Mapping[str, float]:
     known = keyframes_of(robot)
     usual = next((each for each in USUAL if each in known), None)
     if usual is not None:
-        return known[usual]
+        return known[usual] | _raised(robot, known[usual])
     found = standing(robot)
-    return described(robot) | _raised(robot) if found is None else found.position
+    if found is not None:
+        return found.position
+    rest = described(robot)
+    return rest | _raised(robot, rest)
 
 
 def described(robot: Robot) -> dict[str, float]:
@@ -135,37 +167,39 @@ def _startable(robot: Robot, model: Any, pose: Array) -> Array:
     return pose if robot.loops else within_limits(model, pose)
 
 
-def _raised(robot: Robot) -> dict[str, float]:
-    """Return where a robot without feet starts: as described, but not within the floor."""
+def _raised(robot: Robot, posture: Mapping[str, float]) -> dict[str, float]:
+    """Return what lifts a robot out of the floor, where a posture does not say how high it is."""
     link = torso_of(robot)
-    if link is None:
+    if link is None or f"{link}.position.z" in posture:
         return {}
     model: Any = spec_of(robot).compile()
     data = mujoco.MjData(model)
+    pose = posed(robot, model, posture)
+    data.qpos[:] = pose
     mujoco.mj_kinematics(model, data)
     body = int(model.body(link).id)
     low, found = lowest_of(model, data, body), height_of(model, data, body)
     if low is None or low >= 0.0 or found is None:
         return {}
-    pose = model.qpos0.copy()
     pose[found[0]] -= low / found[1]
     return told(robot, model, pose)
 
 
-def _of_file(robot: Robot, path: Path, name: str | None = None) -> dict[str, float]:
-    """Return the posture in a file; of several the one of a name, else of a usual name."""
-    if path.suffix != SRDF:
-        return _read(path)
-    known = srdf_postures(path, robot)
+def _is(path: Path, ending: str) -> bool:
+    return path.suffix.lower() == ending
+
+
+def _named(known: Mapping[str, dict[str, float]], path: Path, name: str | None) -> dict[str, float]:
+    """Return the posture of a name, else of a usual name, else the only one of a file."""
     usual = next((each for each in USUAL if each in known), None)
     named = name or usual or (next(iter(known)) if len(known) == 1 else None)
-    if named not in known:
+    if named is None or named not in known:
         raise RobotError(
             f"there is no posture {named!r}" if named else f"it holds {len(known)} postures",
             where=str(path),
             fix=f"say {path}:NAME, where NAME is {nearest(named or '', known)}"
             if known
-            else f"name an SRDF with a group_state of {robot.name}'s joints",
+            else "name an SRDF with a group_state of the robot's joints",
         )
     return known[named]
 
@@ -190,4 +224,7 @@ def _read(path: Path) -> dict[str, float]:
 
 
 def _is_number(value: Any) -> bool:
-    return isinstance(value, (int, float)) and not isinstance(value, bool) and isfinite(value)
+    try:
+        return isinstance(value, (int, float)) and not isinstance(value, bool) and isfinite(value)
+    except OverflowError:
+        return False

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from math import isfinite
+from collections.abc import Mapping, Sequence
+from math import hypot, isfinite
 from pathlib import Path
 
 from morph.body.robot import Joint, Robot
@@ -46,16 +47,16 @@ def srdf_postures(path: Path, robot: Robot) -> dict[str, dict[str, float]]:
         raise RobotError(
             f"is no SRDF: it begins with <{root.tag}>", where=root.place, fix="name an SRDF file"
         )
+    known = {joint.name: joint for joint in robot.joints}
+    free = [joint for joint in robot.joints if joint.kind == "free"]
     postures: dict[str, dict[str, float]] = {}
     for state in root.children("group_state"):
         name = state.get("name", "").strip()
-        postures.setdefault(name, {}).update(_posture(state, robot))
+        postures.setdefault(name, {}).update(_posture(state, known, free))
     return {name: posture for name, posture in postures.items() if name and posture}
 
 
-def _posture(state: Element, robot: Robot) -> dict[str, float]:
-    known = {joint.name: joint for joint in robot.joints}
-    free = [joint for joint in robot.joints if joint.kind == "free"]
+def _posture(state: Element, known: Mapping[str, Joint], free: Sequence[Joint]) -> dict[str, float]:
     posture: dict[str, float] = {}
     for element in state.children("joint"):
         values = _values(element)
@@ -90,7 +91,7 @@ def _placed(joint: Joint, values: list[float], element: Element) -> dict[str, fl
     if joint.kind == "free":
         names = [*(f"{part}.position.{axis}" for axis in PLACES), *names]
     turned = values[-len(TURNS) :]
-    size = sum(value**2 for value in turned) ** 0.5
+    size = hypot(*turned)
     if len(values) != len(names) or not 0.9 < size < 1.1:
         raise RobotError(
             f"joint {joint.name!r} is a {joint.kind} and has {len(values)} values"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -42,6 +43,45 @@ def told(robot: Robot, model: Any, pose: Array) -> dict[str, float]:
         if not np.array_equal(pose[turned], model.qpos0[turned]):
             pairs = zip(TURNS, pose[turned].tolist(), strict=True)
             result |= {f"{part}.orientation.{axis}": value for axis, value in pairs}
+    return result
+
+
+def posed(robot: Robot, model: Any, posture: Mapping[str, float]) -> Array:
+    """Return the pose that `told` tells of, `qpos`, shape (nq,).
+
+    Args:
+        robot: The robot.
+        model: Its compiled `mujoco.MjModel`.
+        posture: Values by joint and by channel of the base; others than its own are passed over.
+    """
+    pose: Array = model.qpos0.copy()
+    for joint in robot.joints:
+        place = int(model.joint(joint.name).qposadr[0])
+        if joint.kind in {"hinge", "slide"}:
+            pose[place] = posture.get(joint.name, pose[place])
+            continue
+        part = joint.link if joint.kind == "free" else joint.name
+        if joint.kind == "free":
+            for axis in PLACES:
+                pose[place] = posture.get(f"{part}.position.{axis}", pose[place])
+                place += 1
+        turned = np.array([posture.get(f"{part}.orientation.{axis}", 0.0) for axis in TURNS])
+        if turned.any():
+            pose[place : place + len(TURNS)] = turned / np.linalg.norm(turned)
+    return pose
+
+
+def names(robot: Robot) -> set[str]:
+    """Return what a posture of a robot may name."""
+    result: set[str] = set()
+    for joint in robot.joints:
+        if joint.kind in {"hinge", "slide"}:
+            result.add(joint.name)
+            continue
+        part = joint.link if joint.kind == "free" else joint.name
+        places = PLACES if joint.kind == "free" else ()
+        result |= {f"{part}.position.{axis}" for axis in places}
+        result |= {f"{part}.orientation.{axis}" for axis in TURNS}
     return result
 
 

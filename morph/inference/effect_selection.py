@@ -202,7 +202,8 @@ class EffectSelection:
             tried = simulated(result, search, base, validation, believed=self.believed)
             if self.by_forces and tried[0] > now:
                 # What forces say of own parameters need not hold in rollouts.
-                weaker = simulated(result, search, base, validation, believed=False)
+                held = replace(result, own=np.zeros_like(result.own))
+                weaker = simulated(held, search, base, validation, believed=False)
                 tried = min(tried, weaker, key=lambda one: one[0])
             losses[members], listed[members] = tried
         by_rollouts = sorted(listed.values(), key=lambda one: losses[one.members])

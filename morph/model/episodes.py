@@ -100,20 +100,26 @@ RARELY = 0.1
 def step_for(recordings: Sequence[Recording], robot: Robot, *, longest: float = math.inf) -> float:
     """Return the seconds a step: whole parts or multiples of the fastest clock's median period.
 
-    About 4 ms, 2.5 ms where servos add stiff damping; of a single body that is read more rarely, a
-    tenth of its period; and never above `longest`.
+    About 4 ms, 2.5 ms where servos add stiff damping; of a single body that touches
+    nothing and is read more rarely, a tenth of its period; and never above `longest`.
     """
     measurement = Measurement.of(robot)
     periods = [min(map(period, measurement.clocks(each))) for each in recordings]
     usual = float(np.median(periods))
     wanted = 0.0025 if any(a.kind == "position" for a in robot.actuators) else 0.004
-    if all(joint.kind == "free" for joint in robot.joints):
-        # No joint has a spring or a motor that would be faster than what is read.
+    if [joint.kind for joint in robot.joints] == ["free"] and not _meets(robot):
+        # No contact, spring or motor is faster than what is read.
         wanted = max(wanted, RARELY * usual)
     wanted = min(wanted, longest)
     if usual > wanted:
         return usual / float(np.ceil(usual / wanted - 0.1))
     return usual * max(1.0, float(np.floor(wanted / usual + 0.1)))
+
+
+def _meets(robot: Robot) -> bool:
+    """Return whether any shape may touch another."""
+    model = spec_of(robot).compile()
+    return bool(model.npair or (model.geom_contype.any() and model.geom_conaffinity.any()))
 
 
 def longest_step(robot: Robot, episodes: Sequence[Episode]) -> float:

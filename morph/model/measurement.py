@@ -243,7 +243,8 @@ def _of_one_sign(whole: Array) -> Array:
     sign, across = np.where(near < 0.0, -1.0, 1.0), np.sum(whole[2:] * whole[:-2], axis=1)
     far = np.abs(near) < QUARTER
     alone = far[1:] & far[:-1] & (np.abs(across) > QUARTER)
-    sign[1:][alone] = np.where(across < 0.0, -1.0, 1.0)[alone] * sign[:-1][alone]
+    for at in np.flatnonzero(alone).tolist():
+        sign[at + 1] = (-1.0 if across[at] < 0.0 else 1.0) * sign[at]
     result = whole.copy()
     result[1:] *= np.cumprod(sign)[:, None]
     return result

@@ -30,7 +30,7 @@ class Drag(WetEffect):
         """Add to the link's numbers for the fluid."""
         strengths = [getattr(self, axis) for axis in AXES]
         if any(strengths):
-            refer(spec, self.body, self.centre, quadratic=self.slot == QUADRATIC)
+            refer(spec, self.body, self.centre, self.label, quadratic=self.slot == QUADRATIC)
         add_numbers(spec, self.body, self.slot, strengths)
 
     def regressor(self, motion: Motion) -> Array:

@@ -8,12 +8,15 @@ import numpy as np
 
 from morph.arrays import Array
 from morph.body.robot import Robot
+from morph.errors import EffectError
 from morph.physics.body.point import PointEffect
 from morph.physics.body_jacobian import cross_matrix
 from morph.physics.fluid.numbers import (
     ADDED,
     APART,
+    LINEAR,
     POINT,
+    QUADRATIC,
     numbers_of,
     write_numbers,
 )
@@ -42,13 +45,23 @@ def shift(centre: Array) -> Array:
     return whole
 
 
-def refer(spec: Any, body: str, centre: Array, *, quadratic: bool) -> None:
+def refer(spec: Any, body: str, centre: Array, label: str, *, quadratic: bool) -> None:
     """Write the point to which a link's linear or quadratic drag refers.
 
     Its added mass is told about the point of the linear one, and the other point stays.
+
+    Raises:
+        EffectError: Another drag of this kind on this link refers to another point.
     """
     numbers = numbers_of(spec, body)
     held = np.array(numbers[POINT])
+    before = held + np.array(numbers[APART]) if quadratic else held
+    if any(numbers[QUADRATIC if quadratic else LINEAR]) and not np.allclose(before, centre):
+        raise EffectError(
+            f"it refers to the point {centre.tolist()}, such a drag of {body} to {before.tolist()}",
+            where=f"effect {label}",
+            fix="give both the same cx, cy and cz",
+        )
     if quadratic:
         numbers[APART] = (centre - held).tolist()
         write_numbers(spec, body, numbers)

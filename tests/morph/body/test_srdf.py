@@ -8,6 +8,7 @@ import numpy as np
 import pinocchio
 import pytest
 
+from morph.body.convert import convert
 from morph.body.load import load
 from morph.body.postures import keyframes_of, posture_of, postured
 from morph.body.srdf import srdf_postures
@@ -91,9 +92,46 @@ def test_a_card_names_postures_of_files_beside_it(files: Path) -> None:
     robot = load(folder)
     assert keyframes_of(robot) == {"tall": {"knee": -0.25}, "home": {"knee": 0.75}}
     assert posture_of(robot) == {"knee": 0.75}
+    # What is written has no such card, and has them as keyframes.
+    convert(robot, "mjcf", files / "written")
+    assert keyframes_of(load(files / "written" / "robot.xml")) == keyframes_of(robot)
+    for text, message in (("kne = 0.1", "names 'kne'"), (f"knee = {'9' * 400}", "finite number")):
+        (folder / "low.toml").write_text(text)
+        with pytest.raises(RobotError, match=message):
+            load(folder)
     (folder / "low.toml").unlink()
     with pytest.raises(RobotError, match="posture cannot be read"):
         load(folder)
+
+
+@pytest.mark.parametrize("second", ["rest", "tall"])
+def test_a_card_may_not_call_two_postures_alike(files: Path, second: str) -> None:
+    (files / "card.toml").write_text(
+        f'schema = "morph.card/1"\nname = "{files.name}"\ntitle = "Leg"\n'
+        'description = "leg.urdf"\nbase = "fixed"\nsource = []\nlicence = "Apache-2.0"\n'
+        '[[posture]]\nname = "tall"\nfile = "leg.srdf"\n'
+        f'[[posture]]\nname = "{second}"\nfile = "leg.srdf"\n'
+    )
+    with pytest.raises(RobotError, match="as another is called"):
+        load(files)
+
+
+def test_a_posture_that_says_no_height_stands_on_the_floor(files: Path) -> None:
+    text = URDF.replace(
+        "</link>", '<collision><geometry><sphere radius="0.1"/></geometry></collision></link>'
+    )
+    (files / "leg.urdf").write_text(text)
+    robot = load(files / "leg.urdf", base="floating")
+    told = posture_of(postured(robot, f"{files / 'leg.srdf'}:tall"))
+    assert told == {"knee": -0.25}
+    (files / "card.toml").write_text(
+        f'schema = "morph.card/1"\nname = "{files.name}"\ntitle = "Leg"\n'
+        'description = "leg.urdf"\nbase = "floating"\nsource = []\nlicence = "Apache-2.0"\n'
+        '[[posture]]\nname = "home"\nfile = "home.toml"\n'
+    )
+    (files / "home.toml").write_text("knee = 0.5\n")
+    # Its hull is a ball of 0.1 m at the origin, lifted until it touches.
+    assert posture_of(load(files)) == {"knee": 0.5, "hull.position.z": pytest.approx(0.1)}
 
 
 @pytest.mark.parametrize(
@@ -104,6 +142,7 @@ def test_a_card_names_postures_of_files_beside_it(files: Path) -> None:
         (' 0.5 "', ' 1 2 3 "', "'knee' is a hinge and has 3 values"),
         ("0 0 0.6 0.8", "0 0 0 0", "a quaternion of length 0"),
         ("<robot", "<mujoco", "not XML"),
+        ("0 0 0.6 0.8", "0 0 1e200 1e200", "a quaternion of length 1.41e"),
     ],
 )
 def test_values_that_a_joint_cannot_have_are_refused(

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 
 import mujoco
 import numpy as np
@@ -11,7 +12,8 @@ from morph.arrays import Array
 from morph.body.load import load
 from morph.body.spec import spec_of
 from morph.model.episodes import episode, step_for, velocity_lag
-from morph.record.recording import Recording
+from morph.model.measurement import Measurement
+from morph.record.recording import Channel, Recording
 
 Recorded = Callable[..., Recording]
 
@@ -42,3 +44,20 @@ def test_the_velocity_of_a_step_lags_by_half_of_it(recorded: Recorded) -> None:
     # What is of second order in a step of 0.1 ms is a thousandth of that.
     found = velocity_lag(double_pendulum, [laid], 1e-4)
     assert found == pytest.approx(1e-4 * share, rel=0.002)
+
+
+@pytest.mark.parametrize(
+    ("floor", "step"), [("", 0.02), ('<geom type="plane" size="1 1 1"/>', 0.004)]
+)
+def test_a_single_body_that_touches_nothing_takes_a_tenth_of_its_period(
+    floor: str, step: float, tmp_path: Path
+) -> None:
+    collides = "" if floor else 'contype="0" conaffinity="0"'
+    (tmp_path / "ball.xml").write_text(
+        f"<mujoco><worldbody>{floor}<body name='ball' pos='0 0 1'><freejoint/>"
+        f"<geom size='0.1' mass='1' {collides}/></body></worldbody></mujoco>"
+    )
+    ball, time = load(tmp_path / "ball.xml"), 0.2 * np.arange(11)
+    names = Measurement.of(ball).needed
+    channels = {name: Channel(time=time, value=np.ones(11)) for name in names}
+    assert step_for([Recording(name="run", channels=channels)], ball) == pytest.approx(step)

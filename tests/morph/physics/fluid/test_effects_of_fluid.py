@@ -113,6 +113,15 @@ def test_two_drags_of_a_link_may_act_at_two_points(
     assert inertia == pytest.approx(forward(robot, (MASS,))[0], abs=1e-14)
 
 
+@pytest.mark.parametrize("kind", [LinearDrag, QuadraticDrag])
+def test_two_drags_of_one_kind_about_two_points_are_refused(
+    written: Callable[[str], Robot], kind: Any
+) -> None:
+    pair = (kind(body="ball", x=1.0, cx=0.5), kind(body="ball", x=1.0, cx=-0.5))
+    with pytest.raises(EffectError, match="such a drag of ball to"):
+        Simulator(written(BALL), pair)
+
+
 def test_a_drag_that_does_nothing_has_no_point_to_quarrel_about(
     written: Callable[[str], Robot],
 ) -> None:
