@@ -104,7 +104,7 @@ class _Gatherer:
             return
         for parent, element in _pairs(self.tree):
             for kind in KINDS:
-                if element.tag != kind and element.get(kind, "") in missing[kind]:
+                if element.tag != kind and element.attrib.get(kind) in missing[kind]:
                     self.drop(parent, element, kind, gone)
         for parent in list(self.tree.everything()):
             parent[:] = [child for child in parent if id(child) not in gone]

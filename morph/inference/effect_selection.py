@@ -149,8 +149,7 @@ class EffectSelection:
             beam: What might be added to it.
             most: Most effects, or laws at every joint, that are added.
         """
-        tried: list[Finalist] = []
-        gained: list[Finalist] = []
+        tried, gained = list[Finalist](), list[Finalist]()
         done = {labels(base.effects)}
         for proposed in self.proposals(beam, beam.sets(most), base):
             wholes = []
@@ -199,13 +198,10 @@ class EffectSelection:
         for members, result in listed.items():
             if self.late():
                 return []
-            tried = simulated(result, search, base, validation, believed=self.believed)
-            if self.by_forces and tried[0] > now:
-                # What forces say of own parameters need not hold in rollouts.
-                held = replace(result, own=np.zeros_like(result.own))
-                weaker = simulated(held, search, base, validation, believed=False)
-                tried = min(tried, weaker, key=lambda one: one[0])
-            losses[members], listed[members] = tried
+            losses[members], listed[members] = simulated(
+                result, search, base, validation, believed=self.believed,
+                enough=now if self.by_forces else math.inf,
+            )  # fmt: skip
         by_rollouts = sorted(listed.values(), key=lambda one: losses[one.members])
         # A stiff spring diverges in long steps. So may the likeliest set, far from the base.
         most = now + DIVERGED * base.refit.runs[0].about.velocity.shape[1]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -29,6 +30,7 @@ def simulated(
     validation: Validation,
     *,
     believed: bool,
+    enough: float = math.inf,
 ) -> tuple[float, Explanation]:
     """Return the mean loss of a set that is added to another, and the set as it is simulated.
 
@@ -40,6 +42,8 @@ def simulated(
         believed: Whether the linearisation is. If so, each stretch is simulated with the figures
             fitted to the other folds. If not, own parameters stay where they are, and the best of a
             few shares of the strengths is taken.
+        enough: Loss above which a believed linearisation is no more: what forces say of own
+            parameters need not hold in rollouts.
     """
     hypothesis, there = base.refit.hypothesis, len(base.refit.point)
     parts = [(result.own, result.effects)] * validation.folds
@@ -56,7 +60,12 @@ def simulated(
         )
     losses = validation.losses(more, points, base.refit.runs).mean(axis=1)
     best = int(np.argmin(losses))
-    return float(losses[best]), replace(result, effects=scaled(result.effects, STRENGTHS[best]))
+    found = replace(result, effects=scaled(result.effects, STRENGTHS[best]))
+    if believed and losses[best] > enough:
+        held = replace(result, own=np.zeros_like(result.own))
+        other = simulated(held, search, base, validation, believed=False)
+        return min((float(losses[best]), found), other, key=lambda one: one[0])
+    return float(losses[best]), found
 
 
 def likeliest_limit(

@@ -210,3 +210,8 @@ def test_a_mesh_that_is_none_is_left_out(content: bytes, code: str, tmp_path: Pa
     robot = load(mjcf(tmp_path, BODY.format(GEOM), top=MESH.format("part.stl")))
     assert codes(robot) == [("repaired", code)]
     assert robot.links[0].shapes == ()
+
+
+def test_a_mesh_without_a_name_that_is_missing_takes_no_default_with_it(tmp_path: Path) -> None:
+    path = mjcf(tmp_path, top='<default><mesh name="" filename=""/></default>')
+    assert [joint.name for joint in load(path).joints] == ["j"]
