@@ -18,7 +18,7 @@ from morph.body.srdf import ENDING as SRDF
 from morph.body.srdf import srdf_postures
 from morph.body.standing import standing
 from morph.body.surface import height_of, lowest_of
-from morph.body.told import names, posed, told
+from morph.body.told import posed, posture_names, told
 from morph.body.within_limits import within_limits
 from morph.errors import RobotError
 from morph.nearest import nearest
@@ -60,7 +60,7 @@ def card_postures(robot: Robot) -> dict[str, dict[str, float]]:
     """
     if robot.card is None or robot.source is None:
         return {}
-    folder, known = Path(robot.source).parent, names(robot)
+    folder, known = Path(robot.source).parent, posture_names(robot)
     srdf: dict[Path, dict[str, dict[str, float]]] = {}
     postures = {}
     for each in robot.card.posture:
@@ -82,7 +82,7 @@ def check_card_postures(robot: Robot) -> None:
     card_postures(robot)
     if robot.card is None or robot.source is None:
         return
-    known = names(robot)
+    known = posture_names(robot)
     for each in robot.card.posture:
         path = Path(robot.source).parent / each.file
         wrong = [] if _is(path, SRDF) else sorted(_read(path).keys() - known)

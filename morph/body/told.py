@@ -71,7 +71,7 @@ def posed(robot: Robot, model: Any, posture: Mapping[str, float]) -> Array:
     return pose
 
 
-def names(robot: Robot) -> set[str]:
+def posture_names(robot: Robot) -> set[str]:
     """Return what a posture of a robot may name."""
     result: set[str] = set()
     for joint in robot.joints:
