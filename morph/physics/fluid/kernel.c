@@ -165,6 +165,11 @@ static void buoyancy(mjtNum* force, const mjtNum* u, const mjtNum* R, const mjtN
   push(force, at, f);
 }
 
+static int any(const mjtNum* six) {
+  for (int i = 0; i < 6; i++) if (six[i] != 0) return 1;
+  return 0;
+}
+
 static void drag(mjtNum* force, const mjtNum* u, int linear, int quadratic, const mjtNum* R,
                  const mjtNum* d, const mjtNum* motion) {
   mjtNum world[3], here[6], load[6], f[3], torque[3];
@@ -279,8 +284,8 @@ void morph_fluid(const mjModel* m, mjData* d) {
     if (u[DISPLACED] != 0) buoyancy(f, u, R, body, gravity);
     const mjtNum* apart = m->nuser_body < WIDTH ? still : u + APART;
     int same = apart[0] == 0 && apart[1] == 0 && apart[2] == 0;
-    drag(f, u, 1, same, R, point, motion);
-    if (!same) {
+    if (same || any(u + LINEAR)) drag(f, u, 1, same, R, point, motion);
+    if (!same && any(u + QUADRATIC)) {
       mjtNum other[3];
       turn(other, R, apart);
       for (int i = 0; i < 3; i++) other[i] += point[i];
